@@ -36,7 +36,7 @@ pub use mesh_shape::{MeshAttributes, MeshGeometry, MeshOpacity, MeshShape, MeshS
 pub use modifiers::{EvalModifier, Modifier, ModifierDef};
 pub use operators::{Boolean, EvalOperator, Operator, OperatorDef};
 pub use parameter::{Param, Unit};
-pub use pathmarch_mesh::{EXTENSIONS as MESH_EXTENSIONS, MeshReport};
+pub use pathmarch_mesh::{EXTENSIONS as MESH_EXTENSIONS, MeshReport, PrintReport};
 pub use range::Range;
 pub use ray_interval::{RayInterval, T_MAX};
 pub use registry::Solid;

@@ -2,7 +2,7 @@
 
 use crate::shapes::{cuboid, icosphere};
 use glam::Vec3;
-use pathmarch_mesh::{MeshReport, TriangleMesh};
+use pathmarch_mesh::{MeshReport, PrintReport, TriangleMesh};
 
 fn report(mesh: &TriangleMesh, voxel: f32) -> MeshReport {
     MeshReport::new(mesh, voxel).expect("a report")
@@ -63,4 +63,25 @@ fn thin_walls_are_found_and_measured() {
     assert!((thin.least_thickness - 0.03).abs() < 1e-5);
     assert!(thin.to_string().contains("4 of 12 triangles on walls thinner than two voxels (0.040), down to 0.030"));
     assert!(report(&slab, 0.01).is_clean());
+}
+
+#[test]
+fn printers_learn_of_walls_and_overhangs() {
+    let report = |mesh: &TriangleMesh| PrintReport::new(mesh, Vec3::Y).expect("a report");
+    let slab = report(&cuboid(Vec3::new(2.0, 1.0, 0.03)));
+    assert!(slab.thinnest_wall.is_some_and(|wall| (wall - 0.03).abs() < 1e-6), "{slab:?}");
+    assert_eq!(slab.overhang_share, 0.0, "its lower side lies on the plate");
+    // The cap of a sphere below 45° has half of 1 - cos 45° of its area.
+    let ball = report(&icosphere(1.0, 5));
+    assert!(ball.thinnest_wall.is_some_and(|wall| (wall - 2.0).abs() < 0.02), "{ball:?}");
+    assert!((ball.overhang_share - 0.1464).abs() < 0.01, "{ball:?}");
+    // A table of which the top, twice the area of the leg's foot, overhangs.
+    let mut table = cuboid(Vec3::new(1.0, 1.0, 1.0));
+    let mut top = cuboid(Vec3::new(3.0, 0.1, 1.0));
+    top.positions.iter_mut().for_each(|position| position.y += 2.0);
+    table.append(&top);
+    let table = report(&table);
+    assert!(table.thinnest_wall.is_some_and(|wall| (wall - 0.1).abs() < 1e-6), "{table:?}");
+    assert!((table.overhang_share - 3.0 / (6.0 + 6.0 + 0.6 + 0.2)).abs() < 1e-6, "{table:?}");
+    assert_eq!(report(&TriangleMesh::default()).thinnest_wall, None);
 }

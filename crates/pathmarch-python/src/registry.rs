@@ -34,7 +34,7 @@ pub fn registry() -> String {
 
 /// Tables of settings, by the node that contains them.
 fn tables() -> Value {
-    let tables: [(&str, &[Setting]); 14] = [
+    let tables: [(&str, &[Setting]); 15] = [
         ("placement", settings::PLACEMENT),
         ("normal", &[settings::NORMAL]),
         ("blend", settings::BLEND),
@@ -45,6 +45,7 @@ fn tables() -> Value {
         ("fog", settings::FOG),
         ("sun", settings::SUN),
         ("point", settings::POINT),
+        ("spot", settings::SPOT),
         ("gradient", settings::GRADIENT),
         ("day", settings::DAY),
         ("day_ground", settings::DAY_GROUND),

@@ -41,7 +41,7 @@ pub use job::{Backend, BackendInfo, Job, Renderer, Shutter, TileTracer, kernel_w
 #[cfg(target_family = "wasm")]
 pub use job::{WebGpu, WebGpuJob};
 pub use mode::{Mode, relative_error};
-pub use output::{atomic_file, film, image, parts, tonemap};
+pub use output::{atomic_file, exposure, film, image, parts, tonemap};
 pub use pathmarch_field;
 pub use pathmarch_mesh::files::mount as mount_file;
 pub use pathmarch_scene;

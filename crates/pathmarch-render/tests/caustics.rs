@@ -84,6 +84,7 @@ fn light_paths_start_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
         (0..40).map(|k| format!("point {{ at {} 3 {}; intensity 1 }}\n", k % 8 - 4, k / 8 - 2)).collect();
     for lights in [
         "point { at 1 3 1; intensity 20 18 12 }",
+        "spot { at -0.8 3 0.3; target -0.8 0 0.3; intensity 20; cone 30 }",
         "sky 0.2\nsun { direction 1 2 0.5; irradiance 3 }",
         "material \"bulb\" { glass 1; abbe 30 }\nobject \"bulb\" material=\"bulb\" { sphere 0.3 { at 0 1.6 0 } }\n\
          object \"wire\" material=\"lamp\" { sphere 0.1 { at 0 1.6 0 } }\npoint { at 1 3 0; intensity 9 }",

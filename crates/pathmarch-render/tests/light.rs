@@ -5,7 +5,7 @@ use crate::common::{mean, on_each_backend, parse, render};
 use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::{block_means, mean_colour, relmse};
 use pathmarch_render::pathmarch_scene::{Caustics, DirectLighting, Scene, Sky};
-use pathmarch_render::{Backend, Renderer, Settings};
+use pathmarch_render::{Backend, Mode, Renderer, Settings};
 use pathmarch_testing::{plain, tests};
 use std::f32::consts::PI;
 
@@ -405,6 +405,59 @@ fn surfaces_add_what_they_emit_to_what_they_reflect(renderer: &Renderer) {
     }
 }
 
+/// Radiance of a white floor at `x` metres from the foot of a spot light that is two metres above it.
+fn under_a_spot(renderer: &Renderer, light: &str, x: f32, mode: Mode) -> f32 {
+    let scene = parse(&format!(
+        "pathmarch 1\ncamera {{ position {x} 3 0; target {x} 0 0; up 0 0 -1; fov 0.2 }}\nrender {{ bounces 0 }}\n\
+         material \"white\" {{ diffuse 1 }}\nobject \"floor\" material=\"white\" {{ plane }}\n{light}"
+    ));
+    let settings = Settings { size: [8, 8], samples: 16, mode, ..Settings::of(&scene) };
+    mean(&render(renderer, &scene, &settings).mean(), |_, _| true) as f32
+}
+
+/// The falloff is a smoothstep of the cosine, in traced pictures and in the preview.
+fn a_spot_light_falls_off_by_its_formula(renderer: &Renderer) {
+    let light = "spot { at 0 2 0; target 0 0 0; intensity 12.566371; cone 60; blend 0.5 }";
+    let outer = 30.0_f32.to_radians().cos();
+    let width = 0.5 * (1.0 - outer);
+    for x in [0.0_f32, 0.3, 0.5, 0.8, 1.0, 1.1, 1.2] {
+        let square: f32 = 4.0 + x * x;
+        let cosine = 2.0 / square.sqrt();
+        let t = ((cosine - outer) / width).clamp(0.0, 1.0);
+        let expected = 4.0 * t * t * (3.0 - 2.0 * t) * cosine / square;
+        for mode in [Mode::Path, Mode::Preview] {
+            let found = under_a_spot(renderer, light, x, mode);
+            println!("{}, {}, {x}: {found:.4}, {expected:.4}", renderer.backend().name, mode.name());
+            assert!((found - expected).abs() < 0.004 * expected.max(0.1), "{}, {x}: {found} {expected}", mode.name());
+        }
+    }
+    // A hard edge, and the widest cone.
+    let hard = light.replace("blend 0.5", "blend 0");
+    let [inside, outside] = [1.1, 1.2].map(|x| under_a_spot(renderer, &hard, x, Mode::Path));
+    assert!(inside > 0.5 && outside == 0.0, "{inside} {outside}");
+    let wide = light.replace("cone 60; blend 0.5", "cone 180; blend 0");
+    let point = "point { at 0 2 0; intensity 12.566371 }";
+    let [wide, point] = [wide.as_str(), point].map(|light| under_a_spot(renderer, light, 3.0, Mode::Path));
+    assert!((wide / point - 1.0).abs() < 1e-4, "{wide} {point}");
+}
+
+/// A light tree, which is built for four lights or more, chooses each spot with a probability that fits.
+fn many_spot_lights_add_up(renderer: &Renderer) {
+    let spot = |k: i32| {
+        format!(
+            "spot {{ at {} 2 0; target {} 0 0; intensity 3; cone {} }}\n",
+            0.3 * k as f32,
+            -0.2 * k as f32,
+            50 + 5 * k
+        )
+    };
+    let spots: Vec<String> = (-3..=3).map(spot).collect();
+    let together = under_a_spot(renderer, &spots.concat(), 0.2, Mode::Path);
+    let alone: f32 = spots.iter().map(|spot| under_a_spot(renderer, spot, 0.2, Mode::Path)).sum();
+    println!("{}: {together:.4} together, {alone:.4} one by one", renderer.backend().name);
+    assert!((together / alone - 1.0).abs() < 0.02, "{together} {alone}");
+}
+
 tests! {
     plain: [pictures_do_not_depend_on_the_scale],
     plain slow: [all_direct_light_estimators_make_the_same_picture],
@@ -423,5 +476,7 @@ tests! {
         the_clamp_removes_fireflies_and_nothing_else,
         a_rough_fractal_is_no_brighter_than_its_lights,
         surfaces_add_what_they_emit_to_what_they_reflect,
+        a_spot_light_falls_off_by_its_formula,
+        many_spot_lights_add_up,
     ],
 }

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         image::save_buffer(&path, &codes, sky.width, sky.height, image::ColorType::Rgb8)?;
         let irradiance = sun.map_or([0.0; 3], |sun| match sun {
             Light::Sun { irradiance, .. } => irradiance,
-            Light::Point { .. } => [0.0; 3],
+            _ => [0.0; 3],
         });
         println!(
             "{}: sun {irradiance:.4?} W/m2, zenith {:.4?}, below the sun {:.4?}, ground {:.4?} W/(m2 sr), {:.1} ms",

@@ -31,6 +31,7 @@ mod source_text;
 mod svg_path;
 mod text;
 pub mod textures;
+mod unit;
 
 pub use animation::Animation;
 pub use atmosphere::Day;
@@ -47,3 +48,4 @@ pub use settings::{Caustics, DirectLighting, RenderSettings, Sampler, Tonemap};
 pub use sky::Sky;
 pub use source::{read_foreign_text, read_text};
 pub use source_text::SourceText;
+pub use unit::LengthUnit;

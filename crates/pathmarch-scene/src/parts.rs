@@ -12,6 +12,7 @@ use crate::medium::Medium;
 use crate::scene::{Camera, Moment, Object, Scene};
 use crate::settings::{RENDER, RenderSettings, Setting};
 use crate::sky::Sky;
+use crate::unit::LengthUnit;
 use glam::Vec3;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::{Blend, Field, Node, Param, Placement, registry};
@@ -158,6 +159,7 @@ impl Scene {
         }
         let roots: Vec<_> = objects.iter().map(|object| object.root.clone()).collect();
         Ok(Self {
+            unit: LengthUnit::default(),
             cameras,
             render,
             sky,
@@ -268,6 +270,16 @@ fn check_light(light: &mut Light) -> Result<(), PartsError> {
         Light::Point { at, intensity, penumbra } => {
             if !at.iter().all(|v| v.is_finite()) {
                 return refuse("point: at must be finite");
+            }
+            (intensity, penumbra)
+        }
+        Light::Spot { at, direction, intensity, cone, blend, penumbra } => {
+            *direction = unit("spot: direction", *direction)?;
+            if !at.iter().all(|v| v.is_finite()) {
+                return refuse("spot: at must be finite");
+            }
+            if !(*cone > 0.0 && *cone <= 180.0 && (0.0..=1.0).contains(blend)) {
+                return refuse("spot: cone must be above 0 and at most 180 degrees, and blend from 0 to 1");
             }
             (intensity, penumbra)
         }

@@ -7,6 +7,7 @@ use crate::materials::Material;
 use crate::medium::Medium;
 use crate::settings::RenderSettings;
 use crate::sky::Sky;
+use crate::unit::LengthUnit;
 use pathmarch_field::{Field, Node};
 use std::path::PathBuf;
 
@@ -48,6 +49,8 @@ pub struct Parameter {
 /// A scene.
 #[derive(Clone, Debug)]
 pub struct Scene {
+    /// Unit of lengths, for reports and exports.
+    pub unit: LengthUnit,
     /// Cameras, at least one; the first is the default. Names are unique.
     pub cameras: Vec<Camera>,
     /// Size of the picture, quality, estimator.

@@ -52,10 +52,21 @@ file!(version_wrong, "pathmarch \"1\"\npathmarch 1\ncamera { position 0 1 5; tar
 file!(version_fraction, "pathmarch 1.5\ncamera { position 0 1 5; target 0 1 0 }");
 file!(no_camera, "pathmarch 1\nsky 1");
 
+file!(a_shader, "// A ball.\nfloat map(vec3 p) {\n    return length(p) - 1.0;\n}\n");
+file!(units, "pathmarch 1\nunit \"ft\"\nunit \"cm\"\ncamera { position 0 1 5; target 0 1 0 }");
+body!(
+    spots,
+    "spot { at 0 1 0 }
+spot { at 0 1 0; target 0 1 0; intensity 1 }
+spot { at 0 1 0; target 0 0 0; intensity 1; lumen 800 }
+spot { at 0 1 0; target 0 0 0; intensity 1; cone 200; blend 2 }
+point { at 0 1 0; intensity 1; colour 1 0 0 }
+point { at 0 1 0; candela -1 }"
+);
 body!(
     words_of_other_programs,
     "smoke { density 1 }
-spot { at 0 1 0 }
+hair { count 10 }
 material \"lamp\" { emit 4; roughness 0.2 }
 material \"clay\" { diffuse 0.4; coat 1; sheen 1 }
 object \"a\" { cube 1; sphere 1 { translate 1 0 0 } }

@@ -6,7 +6,7 @@ mod random_scenes;
 use pathmarch_field::Node;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::registry;
-use pathmarch_scene::{Caustics, Light, Sampler, Scene, Sky, Tonemap};
+use pathmarch_scene::{Caustics, LengthUnit, Light, Sampler, Scene, Sky, Tonemap};
 
 const HEAD: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\nsky 1\n";
 
@@ -20,6 +20,11 @@ fn parse(text: &str) -> Scene {
 /// The scene of `body` after a version, a camera and a sky.
 fn body(text: &str) -> Scene {
     parse(&format!("{HEAD}{text}"))
+}
+
+/// The same with a unit of length.
+fn body_in(unit: &str, text: &str) -> Scene {
+    parse(&format!("{}{text}", HEAD.replacen('\n', &format!("\nunit \"{unit}\"\n"), 1)))
 }
 
 /// The numbers of the only shape.
@@ -130,9 +135,71 @@ fn penumbrae() {
     )
     .lights;
     let penumbrae = lights.iter().map(|light| match light {
-        Light::Sun { penumbra, .. } | Light::Point { penumbra, .. } => *penumbra,
+        Light::Sun { penumbra, .. } | Light::Point { penumbra, .. } | Light::Spot { penumbra, .. } => *penumbra,
     });
     assert_eq!(penumbrae.collect::<Vec<_>>(), [Some(16.0), Some(0.5), None]);
+}
+
+#[test]
+fn spot_lights() {
+    let lights = body(
+        "spot { at 1 3 0; target 1 0 4; intensity 5 4 3; cone 30; blend 0.5 }
+        spot { at 0 2 0; target 0 0 0; intensity 1; penumbra 4 }
+        spot hidden=#true { at 0 2 0; target 0 0 0; intensity 1 }",
+    )
+    .lights;
+    let spot = |at, direction, intensity, cone, blend, penumbra| Light::Spot {
+        at,
+        direction,
+        intensity,
+        cone,
+        blend,
+        penumbra,
+    };
+    let first = spot([1.0, 3.0, 0.0], [0.0, -0.6, 0.8], [5.0, 4.0, 3.0], 30.0, 0.5, None);
+    assert_eq!(lights, [first, spot([0.0, 2.0, 0.0], [0.0, -1.0, 0.0], [1.0; 3], 45.0, 0.15, Some(4.0))]);
+}
+
+/// Candela and lumen are what other programs make of them.
+#[test]
+fn lights_in_candela_and_lumen() {
+    let intensity = |unit: &str, light: &str| body_in(unit, light).lights[0].power();
+    let near = |found: [f32; 3], expected: [f32; 3]| {
+        let near = found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-4);
+        assert!(near, "{found:?} instead of {expected:?}");
+    };
+    near(intensity("m", "point { at 0 1 0; candela 683 }"), [1.0; 3]);
+    near(intensity("m", "point { at 0 1 0; lumen 8582.8 }"), [1.0; 3]);
+    // The same light at the same place: distances are a hundred times as large.
+    near(intensity("cm", "point { at 0 100 0; candela 683 }"), [1e4; 3]);
+    // A cone of 180 degrees with a hard edge is a half of all directions.
+    near(intensity("m", "spot { at 0 1 0; target 0 0 0; cone 180; blend 0; lumen 4291.4 }"), [1.0; 3]);
+    near(intensity("m", "spot { at 0 1 0; target 0 0 0; cone 180; blend 1; lumen 2145.7 }"), [1.0; 3]);
+    // The colour has the luminance of white.
+    let [r, g, b] = intensity("m", "point { at 0 1 0; candela 683; colour 1 0.5 0 }");
+    assert!((0.2126 * r + 0.7152 * g + 0.0722 * b - 1.0).abs() < 1e-5 && (r / g - 2.0).abs() < 1e-5 && b == 0.0);
+    assert_eq!(intensity("m", "point { at 0 1 0; candela 683; colour 0 }"), [0.0; 3]);
+}
+
+#[test]
+fn a_scene_has_a_unit() {
+    assert_eq!(body("").unit, LengthUnit::M);
+    for unit in LengthUnit::ALL {
+        assert_eq!(body_in(unit.name(), "").unit, unit);
+    }
+}
+
+/// A scene without a unit whose camera is far away may be in centimetres.
+#[test]
+fn large_numbers_are_doubted() {
+    let warnings = |unit: &str, distance: f32| {
+        let text = format!(
+            "pathmarch 1\n{unit}\ncamera {{ position 0 0 {distance}; target 0 0 0 }}\nsky 1\nobject \"a\" {{ sphere 9 }}"
+        );
+        parse(&text).warnings.iter().filter(|warning| warning.code == "pathmarch::large_numbers").count()
+    };
+    assert_eq!([warnings("", 20.0), warnings("", 250.0), warnings("unit \"cm\"", 250.0)], [0, 1, 0]);
+    assert_eq!([warnings("unit \"m\"", 250.0), warnings("", 1e6)], [0, 0]);
 }
 
 /// Every name of every setting is read as what it names.

@@ -32,6 +32,30 @@ fn render_writes_a_picture_and_says_where_it_ran() {
     assert_eq!(directory.path().read_dir().expect("a directory").count(), 4, "nothing else is left behind");
 }
 
+/// A wrong exposure is reported with the one that suits; `auto` takes it.
+#[test]
+fn the_exposure_may_follow_the_picture() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let text =
+        "pathmarch 1\ncamera { position 0 0 4; target 0 0 0 }\nsky 46.08\nobject \"a\" { sphere 0.01 { at 9 0 0 } }\n";
+    std::fs::write(directory.path().join("bright.kdl"), text).expect("written");
+    let render = |arguments: &[&str]| {
+        let fixed = ["render", "bright.kdl", "--size", "16x9", "--samples", "1", "--backend", "cpu"];
+        pathmarch(&[&fixed[..], arguments].concat(), directory.path())
+    };
+    let [auto, same, plain] =
+        [&["--exposure", "auto", "-o", "auto.png"][..], &["--exposure=-8", "-o", "same.png"], &["-o", "plain.png"]]
+            .map(|arguments| stderr(&render(arguments)));
+    assert!(auto.contains("exposure -8 EV") && !auto.contains("overexposed"), "{auto}");
+    assert!(!same.contains("overexposed"), "{same}");
+    assert!(plain.contains("100 % of the picture is overexposed; `exposure -8`"), "{plain}");
+    let pixels = |name: &str| load(&directory.path().join(name)).expect("a picture").picture.pixels;
+    assert_eq!(pixels("auto.png"), pixels("same.png"));
+    assert_ne!(pixels("auto.png"), pixels("plain.png"));
+    let output = render(&["--exposure", "auto", "--frames", "1-2", "-o", "f#.png"]);
+    assert!(code(&output) == 2 && stderr(&output).contains("would flicker"), "{}", stderr(&output));
+}
+
 #[test]
 fn a_render_may_be_bounded_in_time() {
     let directory = tempfile::tempdir().expect("a directory");
@@ -427,13 +451,27 @@ fn export_writes_meshes() {
         "{}",
         stderr(&output)
     );
+    // A block of one centimetre.
+    let text = SOLIDS.replacen("pathmarch 1", "pathmarch 1\nunit \"cm\"", 1);
+    std::fs::write(directory.path().join("centimetres.kdl"), text).expect("written");
+    for (name, size) in [
+        ("b.stl", "10.00 x 10.00 x 10.00 mm"),
+        ("b.obj", "1.000 x 1.000 x 1.000 cm"),
+        ("b.glb", "0.01000 x 0.01000 x 0.01000 m"),
+    ] {
+        let output = pathmarch(&["export", "centimetres.kdl", "--object", "block", "-o", name], directory.path());
+        let text = stderr(&output);
+        assert!(code(&output) == 0 && text.contains(size), "{text}");
+        assert_eq!(text.contains("thinnest wall 10.00 mm; nothing overhangs"), name == "b.stl", "{text}");
+        std::fs::remove_file(directory.path().join(name)).expect("written");
+    }
     let output = export(&["--skip-infinite", "--resolution", "20", "-o", "finite.ply"]);
     assert!(code(&output) == 0 && stderr(&output).contains("infinite objects: \"floor\""), "{}", stderr(&output));
     // All solids, clipped; sheets are named and left out.
     let output = export(&["--bounds", "-1 -2.5 -1 3 1 1", "--cell", "0.1", "-o", "all.stl"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert!(stderr(&output).contains("left out") && stderr(&output).contains("\"card\""), "{}", stderr(&output));
-    assert_eq!(directory.path().read_dir().expect("a directory").count(), 8, "nothing else is left behind");
+    assert_eq!(directory.path().read_dir().expect("a directory").count(), 9, "nothing else is left behind");
 }
 
 #[test]
@@ -472,7 +510,11 @@ fn an_exported_volume_can_be_placed_where_it_was() {
     }
     let millimetres =
         pathmarch(&["export", "solids.kdl", "--object", "ball", "--unit", "mm", "-o", "a.npy"], directory.path());
-    assert!(code(&millimetres) == 2 && stderr(&millimetres).contains("in metres"), "{}", stderr(&millimetres));
+    assert!(
+        code(&millimetres) == 2 && stderr(&millimetres).contains("in the unit of the scene, m"),
+        "{}",
+        stderr(&millimetres)
+    );
 }
 
 #[test]
@@ -565,7 +607,7 @@ const NUMBERS: &[(&[&str], &str, &str)] = &[
     (&["render", "a.kdl"], "--size", "expected WIDTHxHEIGHT in pixels, such as 1280x720"),
     (&["render", "a.kdl"], "--frames", "a range such as 1-120"),
     (&["export", "a.kdl", "-o", "a.stl"], "--resolution", "must be a whole number from 1 to 100000"),
-    (&["export", "a.kdl", "-o", "a.stl"], "--cell", "expected a length above 0 in metres, such as 0.01"),
+    (&["export", "a.kdl", "-o", "a.stl"], "--cell", "expected a length above 0, such as 0.01"),
     (&["export", "a.kdl", "-o", "a.stl"], "--bounds", "expected the smaller corner and the larger one"),
     (&["compare", "a.exr", "b.exr"], "--max-relmse", "must be a finite number, 0 or more"),
 ];

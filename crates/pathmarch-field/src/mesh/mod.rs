@@ -36,6 +36,7 @@ use crate::graph::Field;
 use block::{Block, Cell, FARTHEST, SIDE, Vertex, key, unpacked};
 use glam::{DVec3, Vec3};
 use patches::is_crossed;
+use pathmarch_mesh::{PrintReport, TriangleMesh};
 use rayon::prelude::*;
 use solid::{Solid, in_lanes};
 use std::collections::HashSet;
@@ -71,7 +72,7 @@ pub struct Mesh {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
     /// The solid, or the box that clips it, is unbounded.
-    #[error("the solid has no end; cut it with a box")]
+    #[error("the solid is infinite; clip it with a box")]
     Endless,
     /// The solid is empty at this resolution.
     #[error(
@@ -139,6 +140,13 @@ impl Mesh {
     /// Surface area, m².
     pub fn area(&self) -> f64 {
         self.sum(|[a, b, c]| 0.5 * (b - a).cross(c - a).length())
+    }
+
+    /// Checks the mesh for printing, with +y up; `None` of an empty one. See [`PrintReport`].
+    pub fn print_report(&self) -> Option<PrintReport> {
+        let positions = self.positions.iter().copied().map(Vec3::from).collect();
+        let mesh = TriangleMesh { positions, triangles: self.triangles.clone(), ..TriangleMesh::default() };
+        PrintReport::new(&mesh, Vec3::Y).ok()
     }
 
     fn sum(&self, of: impl Fn([DVec3; 3]) -> f64) -> f64 {

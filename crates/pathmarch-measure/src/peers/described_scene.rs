@@ -52,7 +52,9 @@ impl DescribedScene {
         };
         let point = |light: &Light| match light {
             Light::Point { at, intensity, .. } => Ok(json!({ "position": at, "intensity": intensity })),
-            Light::Sun { .. } => Err(Failure::Other("a sun cannot be described".to_owned())),
+            Light::Sun { .. } | Light::Spot { .. } => {
+                Err(Failure::Other("suns and spot lights cannot be described".to_owned()))
+            }
         };
         let mut parts = Vec::new();
         let mut coloured = vec![false; scene.materials.len()];

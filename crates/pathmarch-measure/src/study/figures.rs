@@ -239,6 +239,7 @@ fn soft_shadows(study: &mut Study) -> Result<String, Failure> {
     let harden = |light: &Light| match *light {
         Light::Sun { direction, irradiance, angle, .. } => Light::Sun { direction, irradiance, angle, penumbra: None },
         Light::Point { at, intensity, .. } => Light::Point { at, intensity, penumbra: None },
+        spot @ Light::Spot { .. } => spot,
     };
     let hard = Scene { lights: soft.lights.iter().map(harden).collect(), ..soft.clone() };
     let mut panels = Vec::new();

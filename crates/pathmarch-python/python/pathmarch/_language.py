@@ -279,9 +279,13 @@ def _file_nodes() -> Iterator[Function]:
         "fog": "Medium between the objects, which scatters, absorbs and emits light.",
         "sun": "Light from far away.",
         "point": "Light from a point, the same in every direction.",
+        "spot": "Light from a point, in a cone.",
     }
     for word, doc in docs.items():
         settings = _settings(word, "node")
+        if word in ("point", "spot"):
+            # Instead of it, a light may have candela or lumen.
+            settings = tuple(one._replace(required=one.required and one.name != "intensity") for one in settings)
         name = (optional_name,) if word == "camera" else ()
         yield Function(word, doc, _top(word, settings), (), "", (*settings, *name))
 
@@ -337,6 +341,9 @@ def _declarations() -> Iterator[Function]:
         _by_name_first("include", "file", ()),
         (FILE,),
     )
+    unit = Parameter("unit", "unit", "text", 'Unit: "m", "cm", "mm" or "in".', required=True)
+    doc = "Unit of lengths for reports and exports."
+    yield Function("unit", doc, _by_name_first("unit", "unit", ()), (unit,))
     yield _param()
     doc = "Shape made of others: nodes of param() for its parameters, then solids. use() places it."
     yield Function("shape", doc, _named("shape", ()), (NAME,), "children")

@@ -83,12 +83,14 @@ __all__ = [
     "fog",
     "sun",
     "point",
+    "spot",
     "sky",
     "sky_gradient",
     "sky_day",
     "sky_picture",
     "object",
     "include",
+    "unit",
     "param",
     "shape",
     "field",
@@ -914,10 +916,27 @@ def sun(
 def point(
     *,
     at: _Vector,
-    intensity: _Colour,
+    intensity: Optional[_Colour] = None,
+    candela: Optional[_Number] = None,
+    lumen: Optional[_Number] = None,
+    colour: _Colour = (1, 1, 1),
     penumbra: Optional[_Number] = None,
 ) -> Node:
     """Light from a point, the same in every direction."""
+
+def spot(
+    *,
+    at: _Vector,
+    target: _Vector,
+    intensity: Optional[_Colour] = None,
+    cone: _Number = 45,
+    blend: _Number = 0.15,
+    candela: Optional[_Number] = None,
+    lumen: Optional[_Number] = None,
+    colour: _Colour = (1, 1, 1),
+    penumbra: Optional[_Number] = None,
+) -> Node:
+    """Light from a point, in a cone."""
 
 def sky(
     radiance: _Colour,
@@ -962,6 +981,11 @@ def include(
     file: str,
 ) -> Node:
     """File from which a scene takes materials, shapes, objects and lights."""
+
+def unit(
+    unit: str,
+) -> Node:
+    """Unit of lengths for reports and exports."""
 
 def param(
     name: str,

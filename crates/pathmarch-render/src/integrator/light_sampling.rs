@@ -102,6 +102,17 @@ pub(super) fn sample_direction(
             let intensity = *radiant_intensity * light.inverse_pmf;
             sample(offset * inverse, distance, intensity * (inverse * inverse), 0.0, None)
         }
+        LightShape::Spot(spot) => {
+            let offset = spot.point.position - p;
+            let distance = offset.length();
+            let inverse = 1.0 / distance;
+            let direction = offset * inverse;
+            let intensity = spot.radiant_intensity_towards(-direction) * light.inverse_pmf;
+            if intensity == Vec3::ZERO {
+                return None;
+            }
+            sample(direction, distance, intensity * (inverse * inverse), 0.0, None)
+        }
         LightShape::Sun(SunLight { direction, irradiance, one_minus_cos, .. }) => {
             let sampled_direction = cone_direction(*direction, *one_minus_cos, position);
             // Radiance times solid angle: the irradiance divided by the mean cosine over the disc.
@@ -278,7 +289,7 @@ pub(crate) fn light_pdf(shape: &LightShape, pmf: f32, p: Vec3, hit: Vec3, cosine
         LightShape::Rect(sheet) | LightShape::Disc(sheet) => sheet.area,
         LightShape::Box(light) => visible_areas(light, p).1,
         LightShape::Triangles(triangles) => triangles.area,
-        LightShape::Point(_) | LightShape::Sun(_) | LightShape::Environment => return 0.0,
+        LightShape::Point(_) | LightShape::Spot(_) | LightShape::Sun(_) | LightShape::Environment => return 0.0,
     };
     pmf * t * t / (area * cosine.max(1e-6))
 }

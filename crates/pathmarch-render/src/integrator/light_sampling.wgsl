@@ -35,6 +35,12 @@ fn sample_direction(light: Light, p: vec3f, position: vec2f) -> LightSample {
         let distance = sqrt(square);
         return LightSample(offset / distance, distance, emission / square, 0.0, NO_TARGET, light.penumbra);
     }
+    if HAS_SPOT && light.kind == SPOT {
+        let distance = sqrt(square);
+        let direction = offset / distance;
+        let irradiance = emission * (spot_falloff(light, -direction) / square);
+        return LightSample(direction, select(0.0, distance, any(irradiance > vec3f(0.0))), irradiance, 0.0, NO_TARGET, light.penumbra);
+    }
     if HAS_SUN && light.kind == SUN {
         let direction = cone_direction(light.position, light.radius, position);
         let pdf = select(0.0, light.pmf / (6.2831853 * light.radius), light.radius > 0.0);
@@ -66,6 +72,12 @@ fn sample_direction(light: Light, p: vec3f, position: vec2f) -> LightSample {
         return sample_area(light, p, emission, position);
     }
     return LightSample(vec3f(0.0), 0.0, vec3f(0.0), 0.0, NO_TARGET, 0.0);
+}
+
+/// Share of a spot's intensity in a direction away from it: a smoothstep of its cosine to the axis.
+fn spot_falloff(light: Light, direction: vec3f) -> f32 {
+    let t = clamp((dot(direction, light.y) - light.x.x) * light.x.y, 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
 }
 
 /// 1 - cosine of the half angle of the cone that a sphere subtends at this squared distance from its centre. Inside the

@@ -6,7 +6,7 @@ fn starts_light_paths(light: Light) -> bool {
     if (HAS_BOUNDED && light.kind == BOUNDED) || (HAS_ENVIRONMENT && light.kind == ENVIRONMENT) {
         return false;
     }
-    let is_object = light.kind != POINT && light.kind != SUN;
+    let is_object = light.kind != POINT && light.kind != SPOT && light.kind != SUN;
     return !(is_object && (leaves[light.leaf].flags & IN_GLASS) != 0u);
 }
 

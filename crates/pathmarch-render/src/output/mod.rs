@@ -1,6 +1,7 @@
 //! Output: films, image files and tone mapping.
 
 pub mod atomic_file;
+pub mod exposure;
 pub mod film;
 pub mod image;
 pub mod parts;

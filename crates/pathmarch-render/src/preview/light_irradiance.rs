@@ -1,6 +1,6 @@
 //! Irradiance of unoccluded lights in closed form, for previews.
 //!
-//! - **Points and suns**: exact.
+//! - **Points, spots and suns**: exact.
 //! - **Spheres**: π L sin² times the cosine, smoothly clipped where the horizon cuts the sphere. A box is approximated
 //!   by a sphere of the same surface area, any other shape by a sphere of the same average visible area.
 //! - **Rectangles**: exact above the horizon, by Lambert's sum over edges (Lambert 1760; Baum, Rushmeier and Winget
@@ -38,6 +38,12 @@ pub(super) fn unoccluded_light(light: &LightShape, radius: f32, p: Vec3, n: Vec3
         LightShape::Point(point) => {
             let (direction, distance, square) = towards(point.position, p);
             let irradiance = point.radiant_intensity * (direction.dot(n).max(0.0) / square);
+            UnoccludedLight { direction, distance, irradiance, sine: 0.0 }
+        }
+        LightShape::Spot(spot) => {
+            let (direction, distance, square) = towards(spot.point.position, p);
+            let intensity = spot.radiant_intensity_towards(-direction);
+            let irradiance = intensity * (direction.dot(n).max(0.0) / square);
             UnoccludedLight { direction, distance, irradiance, sine: 0.0 }
         }
         LightShape::Rect(sheet) => from_sheet(sheet, sheet.axes, p, n),
@@ -84,7 +90,7 @@ pub(super) fn bounding_radius(light: &LightShape) -> f32 {
         LightShape::Triangles(light) => light.bounds.radius,
         LightShape::Disc(sheet) => sheet.radius,
         LightShape::Sun(sun) => sun.one_minus_cos,
-        LightShape::Point(_) | LightShape::Rect(_) | LightShape::Environment => 0.0,
+        LightShape::Point(_) | LightShape::Spot(_) | LightShape::Rect(_) | LightShape::Environment => 0.0,
     }
 }
 

@@ -27,6 +27,10 @@ fn unoccluded_light(light: Light, radius: f32, p: vec3f, n: vec3f) -> Unoccluded
     if HAS_POINT && light.kind == POINT {
         return UnoccludedLight(direction, distance, light.emission * (max(dot(direction, n), 0.0) / square), 0.0);
     }
+    if HAS_SPOT && light.kind == SPOT {
+        let irradiance = light.emission * (spot_falloff(light, -direction) * max(dot(direction, n), 0.0) / square);
+        return UnoccludedLight(direction, distance, irradiance, 0.0);
+    }
     if (HAS_RECT && light.kind == RECT) || (HAS_DISC && light.kind == DISC) {
         return from_sheet(light, offset, n);
     }

@@ -426,7 +426,8 @@ impl PreviewTracer<'_> {
             let mut scattered = diffuse;
             if specular.f90.max_element() > 0.0 {
                 // A light with a surface is visible in the traced reflection and needs no highlight there.
-                let has_surface = !matches!(light.shape, LightShape::Point(_) | LightShape::Sun(_));
+                let has_surface =
+                    !matches!(light.shape, LightShape::Point(_) | LightShape::Spot(_) | LightShape::Sun(_));
                 let is_reflected = has_surface || unoccluded.sine > 0.0;
                 let highlight = highlight(&unoccluded, -preview_ray.ray.direction, interaction.normal, specular);
                 scattered += highlight * if is_reflected { specular.untraced } else { 1.0 };

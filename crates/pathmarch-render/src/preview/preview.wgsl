@@ -221,7 +221,7 @@ fn direct_light(interaction: SurfaceInteraction, view: vec3f, path_length: f32, 
         }
         var scattered = diffuse;
         if is_specular {
-            let is_reflected = light.kind > SUN || unoccluded.sine > 0.0;
+            let is_reflected = (light.kind > SUN && light.kind != SPOT) || unoccluded.sine > 0.0;
             scattered += highlight(unoccluded, view, interaction.normal, specular) * select(1.0, specular.untraced, is_reflected);
         }
         var contribution = vec4f(scattered * unoccluded.irradiance, f32(k));

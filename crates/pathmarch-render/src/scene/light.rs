@@ -7,6 +7,7 @@ use crate::sampling::alias_table;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::{Emitter, Field};
+use pathmarch_scene::light::spot_cosines;
 use pathmarch_scene::{Light as SceneLight, Scene};
 use std::f32::consts::PI;
 
@@ -44,6 +45,7 @@ pub(crate) enum LightShape {
     Triangles(TrianglesLight),
     /// Environment map.
     Environment,
+    Spot(SpotLight),
 }
 
 /// Point light.
@@ -54,6 +56,29 @@ pub(crate) struct PointLight {
     pub(crate) radiant_intensity: Vec3,
     /// Sharpness of shadows from near misses; 0 for exact shadows.
     pub(crate) penumbra: f32,
+}
+
+/// Point light in a cone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SpotLight {
+    /// Point light with the intensity on the axis.
+    pub(crate) point: PointLight,
+    /// Unit vector of the axis, away from the light.
+    pub(crate) axis: Vec3,
+    /// Cosine of the angle from the axis at which the light ends.
+    pub(crate) cos_outer: f32,
+    /// One over the difference of cosines between the ends of the falloff.
+    pub(crate) inverse_falloff: f32,
+}
+
+impl SpotLight {
+    /// Radiant intensity in a direction away from the light, a unit vector, W/sr: a smoothstep of its cosine to the axis (Pharr,
+    /// Jakob and Humphreys, "Physically Based Rendering", 4th ed. 2023, section 12.2.1).
+    #[inline]
+    pub(crate) fn radiant_intensity_towards(&self, direction: Vec3) -> Vec3 {
+        let t = ((direction.dot(self.axis) - self.cos_outer) * self.inverse_falloff).clamp(0.0, 1.0);
+        self.point.radiant_intensity * (t * t * (3.0 - 2.0 * t))
+    }
 }
 
 /// Light from a disc at infinity.
@@ -139,12 +164,12 @@ impl LightShape {
             Self::Rect(light) | Self::Disc(light) => Some(light.leaf),
             Self::Box(light) => Some(light.leaf),
             Self::Triangles(light) => Some(light.bounds.leaf),
-            Self::Point(_) | Self::Sun(_) | Self::Environment => None,
+            Self::Point(_) | Self::Spot(_) | Self::Sun(_) | Self::Environment => None,
         }
     }
 
     /// Number of kinds of lights.
-    pub(crate) const KINDS: usize = 9;
+    pub(crate) const KINDS: usize = 10;
 
     /// Index of the kind, below [`KINDS`](Self::KINDS).
     pub(crate) fn kind(&self) -> u32 {
@@ -158,6 +183,7 @@ impl LightShape {
             Self::Bounded(_) => 6,
             Self::Environment => 7,
             Self::Triangles(_) => 8,
+            Self::Spot(_) => 9,
         }
     }
 
@@ -165,7 +191,7 @@ impl LightShape {
     #[inline]
     pub(crate) fn extent(&self) -> Option<(Vec3, f32)> {
         match self {
-            Self::Point(light) => Some((light.position, 0.0)),
+            Self::Point(light) | Self::Spot(SpotLight { point: light, .. }) => Some((light.position, 0.0)),
             Self::Sphere(light) | Self::Bounded(light) => Some((light.centre, light.radius)),
             Self::Triangles(light) => Some((light.bounds.centre, light.bounds.radius)),
             Self::Rect(light) | Self::Disc(light) => Some((light.centre, RADIUS_OF_AREA * light.area.sqrt())),
@@ -186,7 +212,7 @@ impl LightShape {
     #[inline]
     pub(crate) fn penumbra(&self) -> f32 {
         match self {
-            Self::Point(light) => light.penumbra,
+            Self::Point(light) | Self::Spot(SpotLight { point: light, .. }) => light.penumbra,
             Self::Sun(light) => light.penumbra,
             _ => 0.0,
         }
@@ -216,6 +242,11 @@ impl LightShape {
         };
         Some(match self {
             Self::Point(light) => everywhere(light.position, 0.0, luminance(light.radiant_intensity.into())),
+            // It emits into the hemisphere around its axis, as a surface does.
+            Self::Spot(SpotLight { point, axis, .. }) => LightBounds {
+                normals: NormalCone::of(*axis),
+                ..everywhere(point.position, 0.0, luminance(point.radiant_intensity.into()))
+            },
             Self::Sphere(light) | Self::Bounded(light) => {
                 let cross_section = PI * light.radius * light.radius;
                 everywhere(light.centre, light.radius, luminance(light.radiance.into()) * cross_section)
@@ -341,6 +372,9 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent, by_place: b
     SceneLights { lights, meshes, tree }
 }
 
+/// Smallest difference of cosines over which the light of a spot falls off; a hard edge has it.
+const MIN_FALLOFF: f32 = 1e-6;
+
 /// Light that the scene file declares.
 fn declared_light(light: &SceneLight) -> LightShape {
     match *light {
@@ -349,6 +383,19 @@ fn declared_light(light: &SceneLight) -> LightShape {
             radiant_intensity: intensity.into(),
             penumbra: penumbra.unwrap_or(0.0),
         }),
+        SceneLight::Spot { at, direction, intensity, cone, blend, penumbra } => {
+            let [cos_outer, cos_inner] = spot_cosines(cone, blend);
+            LightShape::Spot(SpotLight {
+                point: PointLight {
+                    position: at.into(),
+                    radiant_intensity: intensity.into(),
+                    penumbra: penumbra.unwrap_or(0.0),
+                },
+                axis: Vec3::from(direction).normalize_or(Vec3::NEG_Y),
+                cos_outer,
+                inverse_falloff: 1.0 / (cos_inner - cos_outer).max(MIN_FALLOFF),
+            })
+        }
         SceneLight::Sun { direction, irradiance, angle, penumbra } => LightShape::Sun(SunLight {
             direction: Vec3::from(direction).normalize_or(Vec3::Y),
             irradiance: irradiance.into(),

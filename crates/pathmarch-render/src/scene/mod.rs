@@ -33,7 +33,7 @@ pub(crate) use sky::SkyLight;
 pub(crate) use textured_material::TexturedMaterial;
 
 use glam::Vec3;
-use light::SceneLights;
+use light::{SceneLights, SpotLight};
 use material::TRANSMITS;
 use pathmarch_field::{Aabb, Field};
 use pathmarch_scene::materials::{Bsdf, BsdfParameters};
@@ -146,7 +146,9 @@ impl RenderScene {
         }
         let solids = self.field.object_bounds().iter().zip(solids).filter(|(_, is_solid)| *is_solid);
         let bounds_of_light = |light: &Light| match (&light.shape, light.leaf()) {
-            (LightShape::Point(point), _) => Some(Aabb { min: point.position.into(), max: point.position.into() }),
+            (LightShape::Point(point) | LightShape::Spot(SpotLight { point, .. }), _) => {
+                Some(Aabb { min: point.position.into(), max: point.position.into() })
+            }
             (_, Some(leaf)) => Some(self.field.leaf_bounds(leaf as usize)),
             _ => None,
         };

@@ -139,7 +139,7 @@ pub enum Group {
     Operator,
     /// A material.
     Material,
-    /// A sun or a point.
+    /// A sun, a point or a spot.
     Light,
     /// The sky: radiance of the surroundings.
     Sky,

@@ -4,16 +4,16 @@
 //! stay in the file. Lights and cameras become those of the scene.
 //!
 //! **Units.** glTF measures light in candela and lux, scenes in watts; 683 lumens are taken as a watt, as Blender does. **Limits.**
-//! Spot lights become points, and parallel projections are left out, each with a warning.
+//! Parallel projections are left out, with a warning.
 
 use super::text::literals::{number, quoted};
+use crate::light::LUMENS_OF_WATT;
 use glam::{Affine3A, Vec3};
 use pathmarch_mesh::material::{Light, LightKind, Projection};
 use pathmarch_mesh::{Bounds, Imported, ReadError, ReadOptions};
+use std::f32::consts::FRAC_PI_2;
 use std::path::Path;
 
-/// Lumens of a watt of light.
-const LUMENS: f32 = 683.0;
 /// Metres in the unit of STL files, millimetres by convention.
 const STL_UNIT: f32 = 0.001;
 
@@ -82,7 +82,7 @@ pub fn import_mesh(file: &Path, written: &str) -> Result<MeshImport, ReadError> 
             import.nodes.push(ImportedNode { word: "object", name: named(&node.name), body });
         }
         if let Some(light) = node.light.and_then(|light| imported.lights.get(light)) {
-            import.nodes.push(light_node(light, &node.world_from_node, &mut import.warnings));
+            import.nodes.push(light_node(light, &node.world_from_node));
         }
         let Some(camera) = node.camera.and_then(|camera| imported.cameras.get(camera)) else { continue };
         let Projection::Perspective { y_fov_radians, .. } = camera.projection else {
@@ -129,8 +129,8 @@ pub fn scene_text(import: &MeshImport) -> String {
         written.push((node.word, format!("{}{} {{ {} }}\n", node.word, name.unwrap_or_default(), node.body)));
     }
     // Nodes in the order in which scenes have them.
-    for words in [&["camera"][..], &["sun", "point"], &["object"]] {
-        if words.contains(&"sun") && !has(&["sun", "point"]) {
+    for words in [&["camera"][..], &["sun", "point", "spot"], &["object"]] {
+        if words.contains(&"sun") && !has(&["sun", "point", "spot"]) {
             text += "sky \"day\" elevation=40 azimuth=140\n";
         }
         text.extend(written.iter().filter(|(word, _)| words.contains(word)).map(|(_, line)| line.as_str()));
@@ -138,19 +138,26 @@ pub fn scene_text(import: &MeshImport) -> String {
     text
 }
 
-fn light_node(light: &Light, world_from_node: &Affine3A, warnings: &mut Vec<String>) -> ImportedNode {
-    let power = light.colour * (light.intensity / LUMENS);
+fn light_node(light: &Light, world_from_node: &Affine3A) -> ImportedNode {
+    let power = light.colour * (light.intensity / LUMENS_OF_WATT);
     let (word, body) = match light.kind {
         LightKind::Directional => {
             let towards = axis(world_from_node, Vec3::Z);
             ("sun", format!("direction {}; irradiance {}; angle 0", triple(towards), triple(power)))
         }
-        LightKind::Point | LightKind::Spot { .. } => {
-            if light.kind != LightKind::Point {
-                warnings.push(format!("light \"{}\": a spot becomes a point, which shines everywhere", light.name));
-            }
+        LightKind::Point => {
             let at = world_from_node.transform_point3(Vec3::ZERO);
             ("point", format!("at {}; intensity {}", triple(at), triple(power)))
+        }
+        LightKind::Spot { inner_cone_radians, outer_cone_radians } => {
+            let at = world_from_node.transform_point3(Vec3::ZERO);
+            let target = at + axis(world_from_node, Vec3::NEG_Z);
+            let outer = outer_cone_radians.clamp(1e-3, FRAC_PI_2);
+            let width = inner_cone_radians.clamp(0.0, outer).cos() - outer.cos();
+            let (cone, blend) = (2.0 * outer.to_degrees(), width / (1.0 - outer.cos()));
+            let (cone, blend) = (number(cone.min(180.0)), number(blend.clamp(0.0, 1.0)));
+            let (at, target, power) = (triple(at), triple(target), triple(power));
+            ("spot", format!("at {at}; target {target}; intensity {power}; cone {cone}; blend {blend}"))
         }
     };
     ImportedNode { word, name: None, body }

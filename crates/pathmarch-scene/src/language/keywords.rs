@@ -13,11 +13,28 @@ pub(crate) const FIELD: &str = "field";
 pub(crate) const SHAPE: &str = "shape";
 /// Node of the medium between the objects.
 pub(crate) const FOG: &str = "fog";
+/// Node of the unit of length.
+pub(crate) const UNIT: &str = "unit";
 /// Property that names a material.
 pub(crate) const MATERIAL: &str = "material";
 /// Nodes at the top of a file.
-pub(crate) const TOP: &[&str] =
-    &["pathmarch", INCLUDE, PARAM, "camera", "render", "sky", FOG, "sun", "point", "material", FIELD, SHAPE, "object"];
+pub(crate) const TOP: &[&str] = &[
+    "pathmarch",
+    INCLUDE,
+    UNIT,
+    PARAM,
+    "camera",
+    "render",
+    "sky",
+    FOG,
+    "sun",
+    "point",
+    "spot",
+    "material",
+    FIELD,
+    SHAPE,
+    "object",
+];
 
 /// Nodes in every shape and operator.
 pub(crate) const PLACEMENT: &[&str] =

@@ -20,10 +20,12 @@ use crate::light::Light;
 use crate::scene::{Moment, Parameter, Scene};
 use crate::sky::Sky;
 use crate::source::{MAX_BYTES, read_text, too_large};
+use crate::unit::LengthUnit;
 use checks::{extent, warnings};
+use diagnostics::foreign_code::shader_line;
 use diagnostics::report::{Report, draft};
 use formulas::scope::Scope;
-use keywords::{FOG, TOP};
+use keywords::{FOG, TOP, UNIT};
 use pathmarch_field::Field;
 use read::arguments::twice;
 pub(crate) use read::context::WrittenColour;
@@ -36,7 +38,7 @@ pub(crate) use read::objects::MAX_SHAPES;
 use read::objects::Solids;
 use read::unexpected::unexpected_node;
 use read::version::{Version, version};
-use read::{camera, fog, lights, params, render, sky};
+use read::{camera, fog, lights, params, render, sky, unit};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
@@ -108,6 +110,14 @@ pub(crate) fn read<'t>(name: &str, text: &'t str, moment: Moment, assets: &mut A
         return Read { file: None, scene: Err(error), values: Values::default() };
     }
     let mut report = Report::new(name, text);
+    if let Some(line) = shader_line(text) {
+        let mistake =
+            draft("pathmarch::glsl", Span::new(line.start, line.end), "This is a shader in GLSL, not a scene.");
+        let help = "`pathmarch import` makes a scene of a .glsl or .frag file. In a scene, shaders are the code of a \
+                    `field`: field \"name\" { bounds 4; glsl \"float map(vec3 p) { … }\" }.";
+        report.add(mistake.label("GLSL").help(help));
+        return Read { file: None, scene: Err(report.into_error()), values: Values::default() };
+    }
     let Some(file) = syntax::read(text, &mut report) else {
         return Read { file: None, scene: Err(report.into_error()), values: Values::default() };
     };
@@ -215,8 +225,9 @@ fn scene(
     }
     let render = of_file("render").next().map(|node| render::render(node, context));
     let sky = of_file("sky").next().and_then(|node| sky::sky(node, source.name, assets, context)).unwrap_or_default();
+    let unit = of_file(UNIT).next().map(|node| unit::unit(node, context)).unwrap_or_default();
     let fog = of_file(FOG).next().and_then(|node| fog::fog(node, context)).unwrap_or_default();
-    let lights = all.nodes.iter().filter_map(|node| light(node, context)).collect();
+    let lights = all.nodes.iter().filter_map(|node| light(node, unit, context)).collect();
     let mut materials = Materials::default();
     let mut files = Files { scene: source.name, assets };
     of_all("material").for_each(|node| materials.add(node, &mut files, context));
@@ -226,6 +237,7 @@ fn scene(
     let mut solids = Solids::new(&mut materials, &declared, fields, Files { scene: source.name, assets });
     let objects = of_all("object").filter_map(|node| solids.object(node, context)).collect();
     let scene = Scene {
+        unit,
         cameras,
         render: render.unwrap_or_default(),
         sky: Sky::default(),
@@ -252,7 +264,7 @@ fn check_top(file: &Block, context: &mut Context) {
             unexpected_node(&node.name, TOP, "at the top of a scene", context);
         }
     }
-    for unique in ["pathmarch", "render", "sky", FOG] {
+    for unique in ["pathmarch", UNIT, "render", "sky", FOG] {
         let mut nodes = file.nodes.iter().filter(|node| node.name.value == unique);
         let first = nodes.next();
         for again in nodes {
@@ -268,10 +280,11 @@ fn report_missing_camera(file: &Block, context: &mut Context) {
     context.report.add(mistake.help("For example: camera { position 0 1.5 6; target 0 1 0 }."));
 }
 
-fn light(node: &tree::Node, context: &mut Context) -> Option<Light> {
+fn light(node: &tree::Node, unit: LengthUnit, context: &mut Context) -> Option<Light> {
     match &*node.name.value {
         "sun" => lights::sun(node, context),
-        "point" => lights::point(node, context),
+        "point" => lights::point(node, unit, context),
+        "spot" => lights::spot(node, unit, context),
         _ => None,
     }
 }

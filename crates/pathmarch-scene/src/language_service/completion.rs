@@ -149,12 +149,13 @@ fn word(text: &str, at: usize, is_part: impl Fn(char) -> bool) -> Range<usize> {
 
 /// Settings in braces or properties of one of these owners.
 fn setting(name: &str, owners: &[&str]) -> Option<&'static Setting> {
-    let tables: [(&str, &[Setting]); 13] = [
+    let tables: [(&str, &[Setting]); 14] = [
         ("camera", settings::CAMERA),
         ("render", settings::RENDER),
         ("fog", settings::FOG),
         ("sun", settings::SUN),
         ("point", settings::POINT),
+        ("spot", settings::SPOT),
         ("sky \"gradient\"", settings::GRADIENT),
         ("sky \"day\"", settings::DAY_GROUND),
         ("sky \"day\"", settings::DAY),
@@ -200,12 +201,14 @@ fn top_snippet(name: &str) -> String {
     let required = |table| format!("{name} {{\n\t{}\n}}", settings::required(table, "\n\t"));
     match name {
         "pathmarch" => "pathmarch 1".to_owned(),
+        "unit" => "unit ${1:cm}".to_owned(),
         "include" => "include \"$1\"".to_owned(),
         "param" => "param ${1:name} ${2:1}".to_owned(),
         "camera" => required(settings::CAMERA),
         "fog" => "fog {\n\tscatter ${1:0.1}\n}".to_owned(),
         "sun" => required(settings::SUN),
         "point" => required(settings::POINT),
+        "spot" => required(settings::SPOT),
         "render" => "render {\n\t$0\n}".to_owned(),
         "sky" => "sky ${1:0.3 0.375 0.5}".to_owned(),
         _ => format!("{name} \"${{1:name}}\" {{\n\t$0\n}}"),

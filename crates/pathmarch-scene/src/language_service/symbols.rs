@@ -56,7 +56,7 @@ fn symbol(node: &Node<'static>) -> Option<Symbol> {
     let word = &*node.name.value;
     let kind = match word {
         "camera" => SymbolKind::Camera,
-        "sun" | "point" | "sky" | "fog" => SymbolKind::Light,
+        "sun" | "point" | "spot" | "sky" | "fog" => SymbolKind::Light,
         "material" => SymbolKind::Material,
         "object" => SymbolKind::Object,
         "render" => SymbolKind::Settings,

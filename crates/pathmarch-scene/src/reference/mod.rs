@@ -56,12 +56,13 @@ pub const MATERIAL_KINDS: &str = "material";
 pub const TEXTURES: &str = "texture";
 
 /// Tables of settings, with the node that contains them.
-const TABLES: [(&str, &[Setting]); 9] = [
+const TABLES: [(&str, &[Setting]); 10] = [
     ("camera", settings::CAMERA),
     ("render", settings::RENDER),
     ("fog", settings::FOG),
     ("sun", settings::SUN),
     ("point", settings::POINT),
+    ("spot", settings::SPOT),
     ("sky \"gradient\"", settings::GRADIENT),
     ("sky \"day\"", settings::DAY),
     ("sky \"day\"", settings::DAY_GROUND),
@@ -69,7 +70,7 @@ const TABLES: [(&str, &[Setting]); 9] = [
 ];
 
 /// Tables of settings that are properties, with their node.
-const PROPERTIES: [(&str, &[Setting]); 7] = [
+const PROPERTIES: [(&str, &[Setting]); 8] = [
     ("lens", settings::LENS),
     ("sky \"day\"", settings::DAY),
     ("sky", settings::PICTURE),
@@ -77,6 +78,7 @@ const PROPERTIES: [(&str, &[Setting]); 7] = [
     ("object", settings::VISIBILITY),
     ("sun", settings::VISIBILITY),
     ("point", settings::VISIBILITY),
+    ("spot", settings::VISIBILITY),
 ];
 
 /// Nodes that no table has, with their owner and help.
@@ -116,9 +118,10 @@ const OTHER_PROPERTIES: [(&str, &str, &str); 16] = [
 ];
 
 /// Meanings of nodes at the top of a file.
-const NODES: [(&str, &str); 13] = [
+const NODES: [(&str, &str); 15] = [
     ("pathmarch", "Version of the scene language; the first node of a file."),
     ("include", "File from which this one takes materials, shapes, objects and lights."),
+    ("unit", "Unit of lengths for reports and exports: \"m\", \"cm\", \"mm\" or \"in\"."),
     ("param", "Number with a name, which formulas use."),
     ("camera", "Camera; the first one of a file is the default."),
     ("render", "Size and quality of the picture."),
@@ -126,6 +129,7 @@ const NODES: [(&str, &str); 13] = [
     ("fog", "Medium between the objects, which scatters, absorbs and emits light."),
     ("sun", "Light from far away."),
     ("point", "Light from a point, the same in every direction."),
+    ("spot", "Light from a point, in a cone."),
     ("material", "Material with a name, which objects and shapes use by `material=`."),
     ("field", "Distance function in WGSL, which is then a shape."),
     ("shape", "Shape made of others, with parameters of its own."),

@@ -1,4 +1,4 @@
-//! Settings of suns and point lights.
+//! Settings of suns, point lights and spot lights.
 
 use super::{Range, Setting, SettingKind, number, optional, radiance, setting};
 use crate::atmosphere::SUN_ANGLE;
@@ -39,11 +39,38 @@ pub const SUN: &[Setting] = &[
     PENUMBRA,
 ];
 
-/// Settings in the braces of a point light.
-pub const POINT: &[Setting] = &[
+const AT: Setting =
     setting("at", SettingKind::Triple { default: [4.0, 6.0, 4.0] }, "m", "at 4 6 4", "Position of the light.")
         .required()
-        .labelled("position"),
+        .labelled("position");
+
+const CANDELA: Setting = setting(
+    "candela",
+    optional(Range::NOT_NEGATIVE),
+    "cd",
+    "candela 800",
+    "Luminous intensity, instead of `intensity`.",
+);
+
+const LUMEN: Setting = setting(
+    "lumen",
+    optional(Range::NOT_NEGATIVE),
+    "lm",
+    "lumen 800",
+    "Luminous flux of the whole light, instead of `intensity`.",
+);
+
+const COLOUR: Setting = setting(
+    "colour",
+    SettingKind::Colour { max: 1.0, default: Some([1.0; 3]) },
+    "",
+    "colour 1 0.85 0.7",
+    "Colour of a light in candela or lumen; its brightness does not matter.",
+);
+
+/// Settings in the braces of a point light.
+pub const POINT: &[Setting] = &[
+    AT,
     setting(
         "intensity",
         radiance([60.0; 3]),
@@ -52,5 +79,34 @@ pub const POINT: &[Setting] = &[
         "Radiant intensity, the same in every direction.",
     )
     .required(),
+    CANDELA,
+    LUMEN,
+    COLOUR,
+    PENUMBRA,
+];
+
+/// Settings in the braces of a spot light.
+pub const SPOT: &[Setting] = &[
+    AT,
+    setting(
+        "target",
+        SettingKind::Triple { default: [0.0; 3] },
+        "m",
+        "target 0 0 0",
+        "Point that the axis passes through.",
+    )
+    .required(),
+    setting("intensity", radiance([200.0; 3]), "W/sr", "intensity 200", "Radiant intensity on the axis.").required(),
+    setting("cone", number(Range { max: 180.0, ..Range::POSITIVE }, 45.0), "°", "cone 45", "Full angle of the cone."),
+    setting(
+        "blend",
+        number(Range::from_to(0.0, 1.0), 0.15),
+        "",
+        "blend 0.15",
+        "Soft share of the cone; 0 is a hard edge.",
+    ),
+    CANDELA,
+    LUMEN,
+    COLOUR,
     PENUMBRA,
 ];

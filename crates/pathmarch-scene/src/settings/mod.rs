@@ -20,7 +20,7 @@ mod visibility;
 pub use blend::BLEND;
 pub use camera::{CAMERA, EXPOSURE, LENS};
 pub use fog::FOG;
-pub use lights::{POINT, SUN};
+pub use lights::{POINT, SPOT, SUN};
 pub use mesh::MESH;
 pub use pathmarch_field::Range;
 pub use placement::{NORMAL, PLACEMENT};

@@ -393,6 +393,7 @@ fn every_word_of_the_parser_has_a_control() {
         ("render { ZZ }", "render"),
         ("sun { direction 1 2 3; irradiance 1; ZZ }", "sun"),
         ("point { at 1 2 3; intensity 1; ZZ }", "point"),
+        ("spot { at 1 2 3; target 0 0 0; intensity 1; ZZ }", "spot"),
         ("sky \"gradient\" { zenith 1; horizon 1; ZZ }", "sky"),
         ("sky \"day\" { ZZ }", "sky"),
         ("sky \"day\" ZZ=1", "sky"),
@@ -420,9 +421,25 @@ fn every_word_of_the_parser_has_a_control() {
             let known = keys
                 .iter()
                 .any(|key| *key == word || key.rsplit('.').next() == Some(word) || key.split('.').next() == Some(word));
-            assert!(known || kinds, "{word} of {title} in {keys:?}");
+            // A light shows its intensity in the unit that it is given in.
+            let other_unit = matches!(word, "candela" | "lumen" | "colour") && matches!(title, "point" | "spot");
+            assert!(known || kinds || other_unit, "{word} of {title} in {keys:?}");
         }
     }
+}
+
+#[test]
+fn lights_show_their_intensity_in_its_unit() {
+    let keys = |intensity: &str| {
+        let document = document(&format!("spot {{ at 0 2 0; target 0 0 0; {intensity} }}"));
+        let controls = document.controls(&path(&document, "spot"));
+        let units = ["intensity", "candela", "lumen", "colour"];
+        let shown = controls.into_iter().map(|control| control.key.into_owned());
+        shown.filter(|key| units.contains(&key.as_str())).collect::<Vec<_>>()
+    };
+    assert_eq!(keys("intensity 3"), ["intensity"]);
+    assert_eq!(keys("candela 3"), ["candela", "colour"]);
+    assert_eq!(keys("lumen 3; colour 1 0.5 0"), ["lumen", "colour"]);
 }
 
 #[test]

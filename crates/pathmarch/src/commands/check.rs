@@ -1,10 +1,11 @@
 //! `pathmarch check`: reads scenes and reports every error.
 
+use super::counted;
 use super::scene_source::load;
 use pathmarch_cli::{DONE, FAILED, Failure, USAGE, outln, print_report};
 use pathmarch_render::pathmarch_field::graph::{Kind, Leaf};
 use pathmarch_render::pathmarch_field::lipschitz_check::check_lipschitz;
-use pathmarch_render::pathmarch_field::{Field, MeshReport, MeshSurface, Node, Placement};
+use pathmarch_render::pathmarch_field::{Aabb, Field, MeshReport, MeshSurface, Node, Placement};
 use pathmarch_render::pathmarch_scene::{Mistake, Scene, SceneError};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -44,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 for warning in &scene.warnings {
                     print_report(warning);
                 }
-                outln!("{}: OK: {}", path.display(), contents(&scene));
+                outln!("{}: OK: {}{}", path.display(), contents(&scene), size_in_words(&scene));
                 print_meshes(&scene);
                 if arguments.field {
                     if !(check_objects(&scene) & check_custom_shapes(&scene)) {
@@ -78,7 +79,11 @@ fn print_json(path: &Path, scene: &Result<Scene, SceneError>) -> u8 {
             let counts = json!({"shapes": scene.field.leaves().len(), "objects": scene.objects.len(),
                 "materials": scene.materials.len(), "lights": scene.lights.len(), "cameras": scene.cameras.len()});
             let warnings: Vec<_> = scene.warnings.iter().map(mistake).collect();
-            (json!({"scene": path, "ok": true, "counts": counts, "warnings": warnings}), DONE)
+            let (unit, size) = (scene.unit.name(), size(scene));
+            (
+                json!({"scene": path, "ok": true, "counts": counts, "unit": unit, "size": size, "warnings": warnings}),
+                DONE,
+            )
         }
         Err(error) => {
             let mistakes: Vec<_> = error.mistakes().iter().map(mistake).collect();
@@ -111,20 +116,35 @@ fn print_meshes(scene: &Scene) {
 
 /// Contents of a scene, as in "6 shapes in 2 objects, 3 materials, 1 light, 1 camera".
 fn contents(scene: &Scene) -> String {
-    let many = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
     let emits = |leaf: &&Leaf| scene.materials[leaf.tag as usize].emits();
     let lamps = scene.field.leaves().iter().filter(emits).count();
     let lights = match lamps {
-        0 => many(scene.lights.len(), "light"),
-        _ => format!("{} ({} emitting)", many(scene.lights.len() + lamps, "light"), many(lamps, "shape")),
+        0 => counted(scene.lights.len(), "light"),
+        _ => format!("{} ({} emitting)", counted(scene.lights.len() + lamps, "light"), counted(lamps, "shape")),
     };
     format!(
         "{} in {}, {}, {lights}, {}",
-        many(scene.field.leaves().len(), "shape"),
-        many(scene.objects.len(), "object"),
-        many(scene.materials.len(), "material"),
-        many(scene.cameras.len(), "camera"),
+        counted(scene.field.leaves().len(), "shape"),
+        counted(scene.objects.len(), "object"),
+        counted(scene.materials.len(), "material"),
+        counted(scene.cameras.len(), "camera"),
     )
+}
+
+/// Edges of the bounds of all finite objects, in the unit of the scene; `None` if there are none.
+fn size(scene: &Scene) -> Option<[f32; 3]> {
+    let finite = scene.field.object_bounds().iter().filter(|bounds| bounds.is_finite() && !bounds.is_empty());
+    let bounds = finite.copied().reduce(Aabb::union)?;
+    Some(std::array::from_fn(|axis| bounds.max[axis] - bounds.min[axis]))
+}
+
+/// As in "; 20 x 15 x 4 cm".
+fn size_in_words(scene: &Scene) -> String {
+    let figures = |v: f32| format!("{:.*}", (2.0 - v.max(1e-9).log10().floor()).max(0.0) as usize, v);
+    size(scene).map_or_else(String::new, |size| {
+        let [x, y, z] = size.map(figures);
+        format!("; {x} x {y} x {z} {}", scene.unit.name())
+    })
 }
 
 /// Sample points for each custom shape, without `--field`.

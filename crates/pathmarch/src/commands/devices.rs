@@ -14,6 +14,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let adapters = adapters();
     let preferred = adapters.iter().position(|adapter| adapter.unusable.is_none());
+    let is_software = preferred.is_some_and(|at| adapters[at].kind == "software");
+    let default_gpu = preferred.filter(|_| !is_software);
     if arguments.json {
         let gpus: Vec<_> = adapters
             .iter()
@@ -25,19 +27,18 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                     "kind": adapter.kind,
                     "driver": adapter.driver,
                     "unusable": adapter.unusable.map(|reason| reason.to_string()),
-                    "default": Some(k) == preferred,
+                    "default": Some(k) == default_gpu,
                 })
             })
             .collect();
         let cpu = json!({
             "threads": rayon::current_num_threads(),
             "instructions": InstructionSet::of_build().name(),
-            "default": preferred.is_none(),
+            "default": default_gpu.is_none(),
         });
         outln!("{}", json!({"gpus": gpus, "cpu": cpu}));
         return Ok(DONE);
     }
-    let is_software = preferred.is_some_and(|at| adapters[at].kind == "software");
     for (k, adapter) in adapters.iter().enumerate() {
         let remark = match adapter.unusable {
             Some(reason) => format!("  not usable: {reason}"),
@@ -50,7 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         outln!("GPU  {}  [{}, {}; {}]{remark}", adapter.name, adapter.backend, adapter.kind, adapter.driver);
     }
     let threads = rayon::current_num_threads();
-    let remark = if preferred.is_none() || is_software { "  <- default" } else { "" };
+    let remark = if default_gpu.is_none() { "  <- default" } else { "" };
     let instructions = InstructionSet::of_build().label();
     outln!("CPU  {threads} threads, eight rays per packet, {instructions}{remark}");
     if preferred.is_none() {

@@ -48,7 +48,14 @@ impl SceneSource {
             return Ok(Self::Text(STANDARD_INPUT.to_owned(), read_standard_input()?));
         }
         let example = EXAMPLES.iter().find(|example| Path::new(example.name) == path).filter(|_| !path.exists());
-        let Some(example) = example else { return Ok(Self::File(path.to_owned())) };
+        let Some(example) = example else {
+            return similar_example(path).map_or(Ok(Self::File(path.to_owned())), |name| {
+                Err(Failure::Usage(format!(
+                    "{}: there is no such file; did you mean the example \"{name}\"?",
+                    path.display()
+                )))
+            });
+        };
         let directory = tempfile::tempdir().map_err(Failure::other)?;
         let scene = directory.path().join(format!("{}.kdl", example.name));
         std::fs::write(&scene, example.text).map_err(Failure::other)?;
@@ -70,6 +77,14 @@ impl SceneSource {
         };
         Ok(if allow_files { animation } else { animation.confined() })
     }
+}
+
+/// Example with nearly this name, if there is no such file and the name has neither folder nor extension.
+fn similar_example(path: &Path) -> Option<&'static str> {
+    let name = path.to_str().filter(|name| !name.contains(['/', '\\', '.']) && !path.exists())?;
+    let edits = |example: &&str| strsim::damerau_levenshtein(example, name);
+    let names = EXAMPLES.iter().map(|example| example.name);
+    names.min_by_key(edits).filter(|example| edits(example) <= name.len().div_ceil(4))
 }
 
 /// Loads a still scene; unless `allow_files` is true, it reads no file outside its folder.

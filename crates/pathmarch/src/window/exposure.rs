@@ -1,11 +1,7 @@
-//! Brightness of the picture: its histogram, and the exposure that suits it.
-
-use pathmarch_render::film::Film;
+//! Histogram of the picture.
 
 /// Bars of the histogram.
 pub(crate) const BARS: usize = 64;
-/// Luminance of the mean after exposure: middle grey.
-const MIDDLE_GREY: f64 = 0.18;
 /// Largest number of pixels that the histogram looks at.
 const MAX_PIXELS: usize = 100_000;
 
@@ -41,21 +37,6 @@ impl Histogram {
     }
 }
 
-/// Exposure in stops, to a tenth, that gives a picture the geometric mean of middle grey (Reinhard et al. 2002); `None` of a
-/// black picture. Pixels that are black do not count.
-pub(crate) fn suitable_stops(film: &Film) -> Option<f32> {
-    let (mut sum, mut count) = (0.0_f64, 0_u32);
-    for [r, g, b] in film.mean().pixels {
-        let luminance = 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
-        if luminance.is_finite() && luminance > 1e-9 {
-            sum += luminance.ln();
-            count += 1;
-        }
-    }
-    let mean = (sum / f64::from(count.max(1))).exp();
-    (count > 0).then(|| ((MIDDLE_GREY / mean).log2() * 10.0).round() as f32 / 10.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -65,16 +46,5 @@ mod tests {
         let grey = [128, 128, 128, 255].repeat(3);
         let histogram = Histogram::new(1, &[grey, vec![255, 0, 0, 255]].concat());
         assert_eq!((histogram.bars[1][32], histogram.bars[0][33], histogram.clipped), (1.0, 0.0, 0.25));
-    }
-
-    #[test]
-    fn a_grey_picture_becomes_middle_grey() {
-        let mut film = Film::new(4, 2);
-        film.samples = 2;
-        // Two samples of 0.045 each in six pixels; the others are black.
-        film.sums.iter_mut().take(6).for_each(|sum| *sum = [0.09; 3]);
-        assert_eq!(suitable_stops(&film), Some(2.0));
-        film.sums.fill([0.0; 3]);
-        assert_eq!(suitable_stops(&film), None);
     }
 }

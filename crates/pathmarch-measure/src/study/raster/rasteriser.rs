@@ -223,7 +223,7 @@ fn uniform(scene: &Scene, settings: &Settings, terms: u32) -> SceneUniform {
         Some(Light::Sun { direction, irradiance, .. }) => {
             (glam::Vec3::from(*direction).extend(0.0), glam::Vec3::from(*irradiance) / std::f32::consts::PI)
         }
-        Some(Light::Point { at, intensity, .. }) => {
+        Some(Light::Point { at, intensity, .. } | Light::Spot { at, intensity, .. }) => {
             let at = glam::Vec3::from(*at);
             // Phong's light does not fall off: it has the strength that reaches the target.
             (at.extend(1.0), glam::Vec3::from(*intensity) / ((at - target).length_squared() * std::f32::consts::PI))

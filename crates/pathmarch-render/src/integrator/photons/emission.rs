@@ -11,7 +11,7 @@ use crate::intersect::ray::Ray;
 use crate::sampling::alias_table;
 use crate::sampling::basis::basis;
 use crate::scene::leaf::IN_GLASS;
-use crate::scene::light::{BoxLight, LightShape, PointLight, SheetLight, SphereLight, SunLight, luminance};
+use crate::scene::light::{BoxLight, LightShape, PointLight, SheetLight, SphereLight, SpotLight, luminance};
 use crate::scene::material::FOCUSES;
 use crate::scene::medium::medium_at;
 use crate::scene::{Extent, FrameUniforms, Medium, RenderScene};
@@ -25,6 +25,16 @@ use std::f32::consts::{PI, TAU};
 const MAX_TARGETS: usize = 16;
 /// Distance at which the light paths of a sun start, in distances from the middle of the scene.
 const SUN_START: f32 = 8.0;
+
+/// Unit axis of a cone, and 1 - cosine of its half angle.
+type Cone = (Vec3, f32);
+
+const ALL_DIRECTIONS: Cone = (Vec3::Y, 2.0);
+
+/// Cone in which a spot shines.
+fn cone_of(spot: &SpotLight) -> Cone {
+    (spot.axis, 1.0 - spot.cos_outer)
+}
 
 /// Region at which light paths are aimed.
 #[derive(Clone, Copy, Debug)]
@@ -139,12 +149,17 @@ impl Emission {
                 emitted(point + axis * along, -axis, irradiance / density, true)
             }
             LightShape::Point(PointLight { position, radiant_intensity, .. }) => {
-                let (direction, pdf) = self.direction(probabilities, target, *position, direction);
+                let (direction, pdf) = self.direction(probabilities, target, ALL_DIRECTIONS, *position, direction);
                 emitted(*position, direction, *radiant_intensity / pdf, false)
+            }
+            LightShape::Spot(spot) => {
+                let p = spot.point.position;
+                let (direction, pdf) = self.direction(probabilities, target, cone_of(spot), p, direction);
+                emitted(p, direction, spot.radiant_intensity_towards(direction) / pdf, false)
             }
             _ => {
                 let (point, area) = area_point(scene, shape, position)?;
-                let (direction, pdf) = self.direction(probabilities, target, point.p, direction);
+                let (direction, pdf) = self.direction(probabilities, target, ALL_DIRECTIONS, point.p, direction);
                 let cosine = point.normal.dot(direction);
                 if cosine == 0.0 || (cosine < 0.0 && !point.is_two_sided) {
                     return None;
@@ -156,12 +171,13 @@ impl Emission {
         }
     }
 
-    /// Direction from `p` to a target, and its pdf over solid angle, that of all targets together.
-    fn direction(&self, probabilities: &[f32], target: usize, p: Vec3, random: [f32; 2]) -> (Vec3, f32) {
-        let (axis, one_minus_cos) = self.targets[target].cone(p);
+    /// Direction from `p` to a target, and its pdf over solid angle, that of all targets together. `all` are the directions in which
+    /// the light shines.
+    fn direction(&self, probabilities: &[f32], target: usize, all: Cone, p: Vec3, random: [f32; 2]) -> (Vec3, f32) {
+        let (axis, one_minus_cos) = self.targets[target].cone(p, all);
         let direction = cone_direction(axis, one_minus_cos, random);
         let density = |(index, (other, probability)): (usize, (&Target, &f32))| {
-            let (axis, one_minus_cos) = other.cone(p);
+            let (axis, one_minus_cos) = other.cone(p, all);
             // By rounding, a direction at the edge of its own cone may seem to be outside.
             let inside = index == target || one_minus_cosine(axis, direction) <= one_minus_cos;
             if inside { probability / (TAU * one_minus_cos) } else { 0.0 }
@@ -199,14 +215,14 @@ impl Emission {
 }
 
 impl Target {
-    /// Axis of the cone that the target subtends at `p`, and 1 - cosine of its half angle.
-    fn cone(&self, p: Vec3) -> (Vec3, f32) {
+    /// Cone that the target subtends at `p`; `all` for all directions.
+    fn cone(&self, p: Vec3, all: Cone) -> Cone {
         match self {
             Self::Sphere { centre, radius } => {
                 let offset = *centre - p;
                 (offset.normalize_or(Vec3::Y), subtended_cone(offset.length_squared(), *radius))
             }
-            Self::Everywhere => (Vec3::Y, 2.0),
+            Self::Everywhere => all,
         }
     }
 }
@@ -226,7 +242,17 @@ fn power_towards(shape: &LightShape, target: &Target, extent: &Extent) -> f32 {
             };
             luminance(sun.irradiance.into()) * PI * radius * radius
         }
-        LightShape::Point(light) => luminance(light.radiant_intensity.into()) * TAU * target.cone(light.position).1,
+        LightShape::Point(light) => {
+            luminance(light.radiant_intensity.into()) * TAU * target.cone(light.position, ALL_DIRECTIONS).1
+        }
+        LightShape::Spot(spot) => {
+            let (axis, one_minus_cos) = target.cone(spot.point.position, cone_of(spot));
+            let angles = [one_minus_cos, 1.0 - spot.cos_outer].map(|x| (1.0 - x).clamp(-1.0, 1.0).acos());
+            if axis.angle_between(spot.axis) > angles.iter().sum::<f32>() + 1e-3 {
+                return 0.0;
+            }
+            luminance(spot.point.radiant_intensity.into()) * TAU * one_minus_cos.min(1.0 - spot.cos_outer)
+        }
         _ => {
             let Some((centre, _)) = shape.extent() else { return 0.0 };
             let (radiance, area) = match shape {
@@ -240,7 +266,7 @@ fn power_towards(shape: &LightShape, target: &Target, extent: &Extent) -> f32 {
                 LightShape::Triangles(light) => (light.bounds.radiance, light.area),
                 _ => (Vec3::ZERO, 0.0),
             };
-            luminance(radiance.into()) * area * (TAU * target.cone(centre).1).min(PI)
+            luminance(radiance.into()) * area * (TAU * target.cone(centre, ALL_DIRECTIONS).1).min(PI)
         }
     }
 }
@@ -293,9 +319,11 @@ fn area_point(scene: &RenderScene, shape: &LightShape, [u, v]: [f32; 2]) -> Opti
             let is_two_sided = !mesh.is_single_sided;
             (AreaPoint { p: point.p, normal: point.normal, radiance, is_two_sided }, triangles.area)
         }
-        LightShape::Point(_) | LightShape::Sun(SunLight { .. }) | LightShape::Bounded(_) | LightShape::Environment => {
-            return None;
-        }
+        LightShape::Point(_)
+        | LightShape::Spot(_)
+        | LightShape::Sun(_)
+        | LightShape::Bounded(_)
+        | LightShape::Environment => return None,
     })
 }
 

@@ -40,6 +40,7 @@ pub(crate) fn additions(transaction: &Transaction, parent: Option<ItemKind>) -> 
             all.extend(materials::kinds().iter().map(|kind| addition(Group::Material, kind.name, kind.doc)));
             all.push(addition(Group::Light, "sun", "Light from far away."));
             all.push(addition(Group::Light, "point", "Light from a point, the same in every direction."));
+            all.push(addition(Group::Light, "spot", "Light from a point, in a cone."));
             all.push(addition(Group::Camera, "camera", "Another point of view."));
             if !has("sky") {
                 let forms = SKY_FORMS.iter().filter(|(name, _)| *name != "picture");
@@ -114,6 +115,7 @@ pub(crate) fn add(
             ("material", format!("material {name} {{ {word}{value} }}"))
         }
         Group::Light if word == "sun" => ("sun", format!("sun {{ {} }}", settings::required(settings::SUN, "; "))),
+        Group::Light if word == "spot" => ("spot", format!("spot {{ {} }}", settings::required(settings::SPOT, "; "))),
         Group::Light => ("point", format!("point {{ {} }}", settings::required(settings::POINT, "; "))),
         Group::Camera => {
             let name = quoted(&free_name(transaction, "camera", "camera"));
@@ -149,7 +151,7 @@ pub(crate) fn add_top(transaction: &mut Transaction, word: &str, template: &str)
     const ORDER: [&str; 12] =
         ["pathmarch", INCLUDE, PARAM, "camera", "render", "sky", FOG, "sun", "material", FIELD, SHAPE, "object"];
     let rank = |word: &str| {
-        let word = if word == "point" { "sun" } else { word };
+        let word = if matches!(word, "point" | "spot") { "sun" } else { word };
         ORDER.iter().position(|other| *other == word).unwrap_or(ORDER.len())
     };
     let nodes = &transaction.file.nodes;

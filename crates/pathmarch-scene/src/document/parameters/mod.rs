@@ -11,7 +11,7 @@ mod values;
 
 use super::control::{Control, ControlKind, Value};
 use super::key;
-use super::tree::nodes::{arguments, material_kind, material_names, property, sky_form, text_argument};
+use super::tree::nodes::{arguments, child, material_kind, material_names, property, sky_form, text_argument};
 use super::tree::outline::ItemKind;
 use crate::language::Values;
 use crate::language::keywords::{FIELD, FONT, MATERIAL, MESH, ORBIT_TRAP, SHAPE};
@@ -64,7 +64,11 @@ pub(crate) fn parameters(
             list.properties(settings::VISIBILITY);
         }
         ItemKind::Point => {
-            list.nodes(settings::POINT);
+            list.light(settings::POINT);
+            list.properties(settings::VISIBILITY);
+        }
+        ItemKind::Spot => {
+            list.light(settings::SPOT);
             list.properties(settings::VISIBILITY);
         }
         ItemKind::Material => list.material(),
@@ -151,6 +155,20 @@ impl List<'_> {
                 let key = format!("{}.{}", setting.name, property.name);
                 self.setting(key, property, Place::NodeProperty(setting.name, property.name));
             }
+        }
+    }
+    /// Settings of a light: its intensity in the unit that it is given in.
+    fn light(&mut self, table: &'static [Setting]) {
+        let given = |word: &str| child(self.node, word).is_some();
+        let luminous = given("candela") || given("lumen");
+        let shows = |setting: &&Setting| match setting.name {
+            "intensity" => !luminous,
+            "candela" | "lumen" => given(setting.name),
+            "colour" => luminous,
+            _ => true,
+        };
+        for setting in table.iter().filter(shows).collect::<Vec<_>>() {
+            self.setting(setting.name, setting, Place::Node(setting.name));
         }
     }
     /// Settings that are properties.

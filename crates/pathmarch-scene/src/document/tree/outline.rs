@@ -31,6 +31,8 @@ pub enum ItemKind {
     Sun,
     /// A point light.
     Point,
+    /// A spot light.
+    Spot,
     /// A material.
     Material,
     /// An object.
@@ -61,6 +63,7 @@ impl ItemKind {
             (None, FOG) => Self::Fog,
             (None, "sun") => Self::Sun,
             (None, "point") => Self::Point,
+            (None, "spot") => Self::Spot,
             (None, "material") => Self::Material,
             (None, SHAPE) => Self::Declaration,
             (None, "object") => Self::Object,
@@ -90,6 +93,10 @@ impl ItemKind {
     /// True if it has a name.
     pub fn is_named(self) -> bool {
         matches!(self, Self::Param | Self::Field | Self::Camera | Self::Material | Self::Declaration | Self::Object)
+    }
+    /// True if the scene may leave it out: an object, or a light.
+    pub fn can_hide(self) -> bool {
+        matches!(self, Self::Object | Self::Sun | Self::Point | Self::Spot)
     }
     /// True if objects and operators may contain it.
     pub fn is_solid(self) -> bool {
@@ -173,8 +180,7 @@ fn item(node: &Node<'static>, parent: Option<ItemKind>, path: Path, walk: &mut W
         _ => None,
     };
     let mut children = node.children.as_ref().map_or_else(Vec::new, |block| items(block, Some(kind), &path, walk));
-    let can_hide = matches!(kind, ItemKind::Object | ItemKind::Sun | ItemKind::Point);
-    let hidden = can_hide && property(node, "hidden").is_some_and(|entry| entry.value == Value::Bool(true));
+    let hidden = kind.can_hide() && property(node, "hidden").is_some_and(|entry| entry.value == Value::Bool(true));
     if kind == ItemKind::Declaration || hidden {
         // A declaration adds no shapes to the scene; its uses do.
         walk.leaves = first;

@@ -23,12 +23,10 @@ pub(crate) fn check(scene: &Scene, file: &Block, report: &mut Report) {
             check_place(node, &format!("The {what} of the camera {}", shown(&camera.name)), place, report);
         }
     }
-    let points = scene.lights.iter().filter_map(|light| match light {
-        Light::Point { at, .. } => Some(*at),
-        Light::Sun { .. } => None,
-    });
-    for (node, place) in nodes("point").zip(points) {
-        check_place(node, "This point light", place, report);
+    let points = scene.lights.iter().filter_map(Light::position);
+    let lights = file.nodes.iter().filter(|node| matches!(&*node.name.value, "point" | "spot"));
+    for (node, place) in lights.zip(points) {
+        check_place(node, &format!("This {} light", node.name.value), place, report);
     }
     // The first shape of each object that is out of range; without mistakes every object node has become an object.
     let mut bad = vec![None; scene.objects.len()];

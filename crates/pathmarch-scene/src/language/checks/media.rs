@@ -19,13 +19,13 @@ fn endless_fog(scene: &Scene, file: &Block, report: &mut Report) {
     let Some(node) = file.nodes.iter().find(|node| node.name.value == FOG) else { return };
     let has_sun = scene.lights.iter().any(|light| matches!(light, Light::Sun { .. }));
     if (fog.scatters() || fog.absorbs()) && (!scene.sky.is_black() || has_sun) {
-        let message = "This fog has no end: no light of the sky or of a sun comes through it.";
+        let message = "This fog is infinite: no light of the sky or of a sun comes through it.";
         let help = "Use lamps, or fill an object around the camera instead: material \"mist\" { medium 0.1 }.";
         report.warn(draft("pathmarch::endless_fog", node.name.span, message).label("endless").help(help));
     }
     let clear = |channel: usize| fog.absorption[channel] + fog.scattering[channel] <= 0.0;
     if (0..3).any(|channel| fog.emission[channel] > 0.0 && clear(channel)) {
-        let message = "This fog glows, has no end and dims no light: rays that hit nothing are infinitely bright.";
+        let message = "This fog glows, is infinite and dims no light: rays that hit nothing are infinitely bright.";
         let warning = draft("pathmarch::endless_glow", node.name.span, message).label("endless");
         report.warn(warning.help("Give it `absorb`, or fill an object with a `medium` that has `glow`."));
     }

@@ -2,12 +2,14 @@
 
 use super::media;
 use crate::language::diagnostics::report::{Report, draft, shown};
+use crate::language::keywords::UNIT;
 use crate::language::tree::Block;
 use crate::light::Light;
 use crate::medium::Medium;
-use crate::scene::{Object, Scene};
+use crate::scene::{Camera, Object, Scene};
 use crate::settings::Caustics;
-use pathmarch_field::number::Vec3;
+use glam::Vec3;
+use pathmarch_field::number;
 
 /// Warns of what is most likely not intended.
 pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
@@ -22,14 +24,11 @@ pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
     let lit = !scene.sky.is_black()
         || scene.fog.emits()
         || scene.field.leaves().iter().any(|leaf| emits(leaf.tag) || glows(leaf.tag))
-        || scene.lights.iter().any(|light| match light {
-            Light::Sun { irradiance, .. } => bright(*irradiance),
-            Light::Point { intensity, .. } => bright(*intensity),
-        });
+        || scene.lights.iter().any(|light| bright(light.power()));
     if !lit {
         let warning =
             draft("pathmarch::no_light", first.name.span, "Nothing lights the scene: the picture will be black.");
-        let help = "Add a `sky`, a `sun`, a `point` light, or an object whose material emits.";
+        let help = "Add a `sky`, a `sun`, a `point` or `spot` light, or an object whose material emits.";
         report.warn(warning.label("in this file").help(help));
     }
     let mut emitting = vec![false; scene.objects.len()];
@@ -41,14 +40,15 @@ pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
     let bounds = scene.field.object_bounds().iter();
     let endless = objects.zip(bounds.zip(emitting)).filter(|(_, (bounds, emitting))| *emitting && !bounds.is_finite());
     for (node, _) in endless {
-        let warning = draft("pathmarch::endless_light", node.name.span, "This object emits light and has no end.");
-        let help = "It is not sampled as a light, only found by chance; give it an end, or use `sky`.";
-        report.warn(warning.label("endless").help(help));
+        let warning = draft("pathmarch::endless_light", node.name.span, "This object emits light and is infinite.");
+        let help = "It is not sampled as a light, only found by chance; make it finite, or use `sky`.";
+        report.warn(warning.label("infinite").help(help));
     }
     lost_light(scene, file, report);
     clear_sheets(scene, file, report);
     hidden_points(scene, file, report);
     hidden_cameras(scene, file, report);
+    large_numbers(scene, file, report);
     media::warn(scene, file, report);
 }
 
@@ -63,9 +63,10 @@ fn lost_light(scene: &Scene, file: &Block, report: &mut Report) {
     let suns = scene.lights.iter().filter(|light| matches!(light, Light::Sun { .. }));
     let parallel = nodes("sun").zip(suns).filter(|(_, light)| matches!(light, Light::Sun { angle: 0.0, .. }));
     let lights = parallel.map(|(node, _)| (node, "sun")).chain(nodes("point").map(|node| (node, "point light")));
+    let lights = lights.chain(nodes("spot").map(|node| (node, "spot light")));
     for (node, what) in lights.take(3) {
         let message = format!("Light of this {what} does not pass the clear materials of the scene: it has no size.");
-        let warning = draft("pathmarch::lost_light", node.name.span, message).label("no path meets it behind glass");
+        let warning = draft("pathmarch::lost_light", node.name.span, message).label("no path finds it through glass");
         let help = "Give `render` the line `caustics \"traced\"`, or `caustics \"fast\"`, which does not focus light.";
         report.warn(warning.help(help));
     }
@@ -87,6 +88,26 @@ fn hidden_cameras(scene: &Scene, file: &Block, report: &mut Report) {
     }
 }
 
+/// Distances from camera to target that are usual in millimetres or centimetres, and rare in metres.
+const LARGE_VIEW: std::ops::Range<f32> = 100.0..5000.0;
+
+/// Warns of a scene without a unit whose lengths look like millimetres or centimetres.
+fn large_numbers(scene: &Scene, file: &Block, report: &mut Report) {
+    if file.nodes.iter().any(|node| node.name.value == UNIT) {
+        return;
+    }
+    let nodes = file.nodes.iter().filter(|node| node.name.value == "camera");
+    let distance = |camera: &Camera| Vec3::from(camera.position).distance(Vec3::from(camera.target));
+    let Some((node, camera)) = nodes.zip(&scene.cameras).next() else { return };
+    if LARGE_VIEW.contains(&distance(camera)) {
+        let message = format!("The camera {} is {:.0} m from its target.", shown(&camera.name), distance(camera));
+        let warning = draft("pathmarch::large_numbers", node.name.span, message).label("are these metres?");
+        let help =
+            "If lengths are centimetres, write `unit \"cm\"` below `pathmarch 1`; `unit \"m\"` if they are metres.";
+        report.warn(warning.help(help));
+    }
+}
+
 /// For each object, whether light passes some part of it.
 fn transparency(scene: &Scene) -> Vec<bool> {
     let transmits = |material: usize| scene.materials[material].transmits();
@@ -100,7 +121,7 @@ fn transparency(scene: &Scene) -> Vec<bool> {
 /// First opaque object that contains this point.
 fn opaque_object_around<'s>(scene: &'s Scene, transparent: &[bool], [x, y, z]: [f32; 3]) -> Option<&'s Object> {
     let mut opaque = scene.objects.iter().zip(transparent).enumerate().filter(|(_, (_, transparent))| !**transparent);
-    opaque.find(|(index, _)| scene.field.contains(*index, Vec3 { x, y, z })).map(|(_, (object, _))| object)
+    opaque.find(|(index, _)| scene.field.contains(*index, number::Vec3 { x, y, z })).map(|(_, (object, _))| object)
 }
 
 /// Warns of glass on surfaces that have no inside.
@@ -119,20 +140,18 @@ fn clear_sheets(scene: &Scene, file: &Block, report: &mut Report) {
     }
 }
 
-/// Warns of point lights inside solids, as far as the time for it is bounded: for the first of very many points.
+/// Warns of point and spot lights inside solids, as far as the time for it is bounded: for the first of very many points.
 fn hidden_points(scene: &Scene, file: &Block, report: &mut Report) {
     const EVALUATIONS: usize = 10_000_000;
     let leaves = scene.field.leaves();
-    let points = scene.lights.iter().filter_map(|light| match light {
-        Light::Point { at, .. } => Some(*at),
-        Light::Sun { .. } => None,
-    });
-    // Without mistakes every point node has become a light.
-    let nodes = file.nodes.iter().filter(|node| node.name.value == "point");
+    let points = scene.lights.iter().filter_map(Light::position);
+    // Without mistakes every such node has become a light.
+    let nodes = file.nodes.iter().filter(|node| matches!(&*node.name.value, "point" | "spot"));
     let transparent = transparency(scene);
     for (node, [x, y, z]) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
         if let Some(object) = opaque_object_around(scene, &transparent, [x, y, z]) {
-            let message = format!("This point light is inside the object {}, which hides it.", shown(&object.name));
+            let message =
+                format!("This {} light is inside the object {}, which hides it.", node.name.value, shown(&object.name));
             let warning = draft("pathmarch::hidden_light", node.name.span, message).label("shines nowhere");
             report.warn(warning.help("Move it out, or make the object emit."));
         }

@@ -9,6 +9,7 @@ use super::numbers::in_range;
 use super::params::{self, Declared};
 use super::unexpected::unexpected_node;
 use crate::assets::Assets;
+use crate::language::diagnostics::foreign_code::is_glsl;
 use crate::language::diagnostics::report::{Draft, draft, shown};
 use crate::language::formulas::expression::is_name;
 use crate::language::formulas::scope::reserved;
@@ -318,18 +319,6 @@ fn bounds(node: &Node, context: &mut Context) -> Option<Option<[f32; 3]>> {
             None
         }
     }
-}
-
-/// True for code with declarations of GLSL and no function of WGSL.
-fn is_glsl(code: &str) -> bool {
-    const TYPES: [&str; 9] = ["float", "int", "void", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4"];
-    let declares = |line: &str| {
-        let mut words = line.split_whitespace().skip_while(|word| matches!(*word, "const" | "uniform" | "highp"));
-        let is_type = words.next().is_some_and(|word| TYPES.contains(&word));
-        is_type && words.next().is_some_and(|word| word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_'))
-    };
-    let is_function = |line: &str| line.trim_start().starts_with("fn ");
-    code.lines().any(declares) && !code.lines().any(is_function)
 }
 
 /// Reports code in GLSL once, at the first place that is not WGSL.

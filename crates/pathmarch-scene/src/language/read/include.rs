@@ -20,7 +20,7 @@ use pathmarch_mesh::files::canonicalize;
 use std::path::{Path, PathBuf};
 
 /// Nodes that are taken from an included file.
-const TAKEN: &[&str] = &[PARAM, "material", FIELD, SHAPE, "object", "sun", "point"];
+const TAKEN: &[&str] = &[PARAM, "material", FIELD, SHAPE, "object", "sun", "point", "spot"];
 /// Files within files; deeper is refused.
 const MAX_DEPTH: usize = 16;
 /// Files of one scene; more are refused.

@@ -24,4 +24,5 @@ mod settings;
 pub(crate) mod sky;
 pub(crate) mod textures;
 pub(crate) mod unexpected;
+pub(crate) mod unit;
 pub(crate) mod version;

@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::language::diagnostics::missing_words;
 use crate::language::diagnostics::report::{draft, shown};
 use crate::language::diagnostics::spelling::{listed, suggestion};
-use crate::language::keywords::{NORMAL, PLACEMENT, TOP, solids};
+use crate::language::keywords::{COLOUR, NORMAL, PLACEMENT, TOP, solids};
 use crate::language::tree::Text;
 use crate::materials;
 use crate::settings::{self, Setting};
@@ -31,7 +31,12 @@ fn home(name: &str) -> Option<String> {
         (settings::FOG, "fog"),
         (settings::SUN, "sun"),
         (settings::POINT, "point"),
+        (settings::SPOT, "spot"),
     ];
+    // Colours occur in too many places for advice.
+    if name == COLOUR {
+        return None;
+    }
     let has = |table: &[Setting]| table.iter().any(|setting| setting.name == name);
     let homes: Vec<&str> = nodes.into_iter().filter(|(table, _)| has(table)).map(|(_, node)| node).collect();
     (!homes.is_empty()).then(|| format!("It belongs in the braces of {}.", listed(homes, "or")))

@@ -164,7 +164,7 @@ impl<'t> Reader<'t, '_> {
             }
         }
         let span = Span::new(start, start + 2);
-        self.report.add(syntax(span, "This comment has no end.").label("expected a closing */"));
+        self.report.add(syntax(span, "This comment is not closed.").label("expected a closing */"));
     }
     fn line_comment(&mut self) {
         self.take_while(|c| !is_newline(c));

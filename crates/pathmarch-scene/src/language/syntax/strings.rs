@@ -48,7 +48,7 @@ impl<'t> Reader<'t, '_> {
             let shown = if several_lines { start + opening } else { end };
             self.move_to(end);
             self.report.add(
-                draft("pathmarch::syntax", Span::new(start, shown), "This string has no end.")
+                draft("pathmarch::syntax", Span::new(start, shown), "This string is not closed.")
                     .label(format!("expected a closing {closing}"))
                     .help("Close it on the same line, or write it between \"\"\" lines."),
             );

@@ -9,7 +9,7 @@ use mesh::Unit;
 use pathmarch_cli::{Failure, INTERRUPTED, catch_interrupts, check_output, note, print_report, value_parsers};
 use pathmarch_render::pathmarch_field::mesh::Fineness;
 use pathmarch_render::pathmarch_field::{Aabb, Field};
-use pathmarch_render::pathmarch_scene::{Object, Scene};
+use pathmarch_render::pathmarch_scene::{LengthUnit, Object, Scene};
 use pathmarch_render::volume_file::VolumeFormat;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -31,13 +31,13 @@ pub struct Arguments {
     /// Number of cells along the longest side
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = value_parsers::whole((1, 100_000)), allow_hyphen_values = true)]
     resolution: u32,
-    /// Size of a cell, metres, instead of a resolution
-    #[arg(long, value_name = "METRES", value_parser = parse_cell, allow_hyphen_values = true, conflicts_with = "resolution")]
+    /// Size of a cell, in the unit of the scene, instead of a resolution
+    #[arg(long, value_name = "LENGTH", value_parser = parse_cell, allow_hyphen_values = true, conflicts_with = "resolution")]
     cell: Option<f32>,
-    /// Unit of the numbers in the file [default: mm for .stl and .3mf, as printers expect; m for others]
+    /// Unit of the numbers in the file [default: mm for .stl and .3mf, as printers expect; m for .glb and USD; the unit of the scene for others]
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
-    /// Clip to a box, given by two corners in metres: "-1 0 -1 1 2 1"
+    /// Clip to a box, given by two corners in the unit of the scene: "-1 0 -1 1 2 1"
     #[arg(long, value_name = "X Y Z X Y Z", value_parser = parse_bounds, allow_hyphen_values = true)]
     bounds: Option<Aabb>,
     /// Leave out infinite objects, instead of refusing them
@@ -49,7 +49,7 @@ fn parse_cell(text: &str) -> Result<f32, String> {
     text.parse()
         .ok()
         .filter(|cell: &f32| *cell > 0.0 && cell.is_finite())
-        .ok_or("expected a length above 0 in metres, such as 0.01".to_owned())
+        .ok_or("expected a length above 0, such as 0.01".to_owned())
 }
 
 fn parse_bounds(text: &str) -> Result<Aabb, String> {
@@ -83,6 +83,7 @@ fn load_scene(arguments: &Arguments) -> Result<Scene, Failure> {
 /// Says what is exported, and runs `work` with a progress bar; Ctrl-C stops it.
 fn with_progress<T>(
     arguments: &Arguments,
+    unit: LengthUnit,
     objects: &[&Object],
     work: impl FnOnce(&(dyn Fn(f32) -> ControlFlow<()> + Sync)) -> T,
 ) -> Result<T, Failure> {
@@ -93,7 +94,7 @@ fn with_progress<T>(
         listed(objects.iter().map(|object| object.name.as_str())),
         match arguments.fineness() {
             Fineness::Resolution(cells) => format!("{cells} cells along the longest side"),
-            Fineness::Cell(cell) => format!("cells of {cell} m"),
+            Fineness::Cell(cell) => format!("cells of {cell} {}", unit.name()),
         }
     );
     let bar = progress_bar(1000);

@@ -9,12 +9,30 @@ use crate::video;
 use pathmarch_cli::{BackendArgument, Failure, RenderOptions, value_parsers};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::denoise::Denoiser;
+use pathmarch_render::exposure::suitable_stops;
+use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::parts::Rect;
 use pathmarch_render::pathmarch_scene::{RenderSettings, Scene, settings};
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{MAX_NOISE, MAX_SPLITTING, MIN_NOISE, Mode, PreviewStep, Settings, Shutter};
 use std::path::{Path, PathBuf};
+
+/// Exposure of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Exposure {
+    /// The one that suits the picture.
+    Auto,
+    /// In stops.
+    Stops(f32),
+}
+
+fn parse_exposure(text: &str) -> Result<Exposure, String> {
+    if text.trim() == "auto" {
+        return Ok(Exposure::Auto);
+    }
+    value_parsers::number(settings::EXPOSURE)(text).map(Exposure::Stops).map_err(|error| format!("{error}, or auto"))
+}
 
 #[derive(Clone, clap::Args)]
 pub struct Arguments {
@@ -55,9 +73,9 @@ pub struct Arguments {
     /// Paths per camera ray, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     pub(super) splitting: Option<u32>,
-    /// Exposure of PNG and JPEG in stops, -100 to 100 [default: the camera's]
-    #[arg(long, value_name = "EV", value_parser = value_parsers::number(settings::EXPOSURE), allow_hyphen_values = true)]
-    pub(super) exposure: Option<f32>,
+    /// Exposure of PNG and JPEG in stops, -100 to 100; or auto, which suits the picture [default: the camera's]
+    #[arg(long, value_name = "EV", value_parser = parse_exposure, allow_hyphen_values = true)]
+    pub(super) exposure: Option<Exposure>,
     /// Write noise-free layers beside R, G and B; .exr only [default: all; or a list such as albedo,normal]
     #[arg(long, value_name = "LAYERS", num_args = 0..=1, default_missing_value = "all", value_parser = parse_layers, long_help = layer_help())]
     pub(super) aov: Option<Layers>,
@@ -278,12 +296,14 @@ impl Arguments {
         self.scenes.first().map_or_else(String::new, |scene| scene.display().to_string())
     }
 
-    /// Tone curve and exposure.
-    pub(super) fn display(&self, scene: &Scene, settings: &Settings) -> Display {
-        Display {
-            tonemap: self.render_settings(scene).tonemap,
-            exposure_stops: self.exposure.unwrap_or(settings.camera_of(scene).exposure),
-        }
+    /// Tone curve and exposure of a film; without a film, `auto` is the exposure of the camera.
+    pub(super) fn display(&self, scene: &Scene, settings: &Settings, film: Option<&Film>) -> Display {
+        let exposure_stops = match self.exposure {
+            Some(Exposure::Stops(stops)) => stops,
+            Some(Exposure::Auto) if film.is_some() => film.and_then(suitable_stops).unwrap_or(0.0),
+            _ => settings.camera_of(scene).exposure,
+        };
+        Display { tonemap: self.render_settings(scene).tonemap, exposure_stops }
     }
 
     /// Checks arguments that exclude each other.
@@ -296,6 +316,14 @@ impl Arguments {
         if self.denoise.is_some() && (self.crop.is_some() || self.output.as_ref().is_some_and(|output| is_film(output)))
         {
             return refuse("--denoise needs the whole picture; it excludes --crop and .film");
+        }
+        if self.exposure == Some(Exposure::Auto) && self.frames.is_some() {
+            return refuse(
+                "--exposure auto would flicker from frame to frame; render one with --time, and give its exposure",
+            );
+        }
+        if self.exposure == Some(Exposure::Auto) && self.output.as_ref().is_some_and(|output| is_film(output)) {
+            return refuse("--exposure auto needs the whole picture; it excludes .film");
         }
         if self.noise.is_some() {
             let film = self.output.as_ref().is_some_and(|output| is_film(output));

@@ -10,15 +10,17 @@ mod progress;
 mod samples;
 mod still;
 
+use super::counted;
 use super::scene_source::SceneSource;
 use crate::picture::{Denoised, Rendered};
 use crate::video;
 pub use arguments::Arguments;
-use arguments::Layers;
+use arguments::{Exposure, Layers};
 use frame_directory::FrameDirectory;
 use frames::Frames;
 use output::Output;
 use pathmarch_cli::{DONE, Failure, INTERRUPTED, catch_interrupts, note, print_report};
+use pathmarch_render::exposure::{ExposureFault, exposure_fault, suitable_stops};
 use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
@@ -109,6 +111,14 @@ fn still(
     let outcome = task.run()?;
     progress.finish();
     report(&outcome, output, progress);
+    if outcome.written && task.settings.mode == Mode::Path && matches!(output, Output::Picture(_) | Output::Standard) {
+        let stops = arguments.display(scene, &task.settings, Some(&outcome.film)).exposure_stops;
+        if arguments.exposure == Some(Exposure::Auto) {
+            note!("exposure {stops} EV");
+        } else {
+            report_exposure(&outcome.film, stops);
+        }
+    }
     Ok(if outcome.interrupted { INTERRUPTED } else { DONE })
 }
 
@@ -137,7 +147,7 @@ fn report(outcome: &Outcome, output: &Output, progress: &Progress) {
         Some(adaptive) => format!("{} in {seconds:.1} s", adaptive.samples),
         None => {
             let rate = f64::from(outcome.rendered) / seconds;
-            format!("{} of {of} samples in {seconds:.1} s ({rate:.2} samples/s)", film.samples)
+            format!("{} of {} in {seconds:.1} s ({rate:.2} samples/s)", film.samples, counted(*of as usize, "sample"))
         }
     };
     note!(
@@ -162,6 +172,16 @@ fn report(outcome: &Outcome, output: &Output, progress: &Progress) {
             ("checkpoint", json!(outcome.checkpoint)),
         ],
     );
+}
+
+/// Says that a picture is far too bright or too dark, and which exposure would suit it.
+fn report_exposure(film: &Film, stops: f32) {
+    let (Some(fault), Some(suitable)) = (exposure_fault(film, stops), suitable_stops(film)) else { return };
+    let what = match fault {
+        ExposureFault::Over(share) => format!("{:.0} % of the picture is overexposed", 100.0 * share),
+        ExposureFault::Under => "the picture is almost black".to_owned(),
+    };
+    note!("note: {what}; `exposure {suitable}` in the camera, or --exposure auto, would suit it");
 }
 
 /// Writes the kernel of the picture, and renders nothing.
@@ -209,7 +229,7 @@ fn write(
     denoised: Option<Denoised>,
     output: &Output,
 ) -> Result<(), Failure> {
-    let display = settings.mode.display(arguments.display(scene, settings));
+    let display = settings.mode.display(arguments.display(scene, settings, Some(film)));
     let rendered = Rendered { scene, settings, film, backend, denoised };
     let layers = arguments.aov.as_ref().map_or(&[][..], |Layers(layers)| layers);
     let Some(file) = output.file() else {
@@ -233,12 +253,12 @@ fn described(settings: &Settings) -> String {
     let Settings { samples, first_sample, bounces, mode, .. } = settings;
     let samples = match settings.whole_samples {
         Some(whole) => format!("samples {first_sample}..{} of {whole}", first_sample + samples),
-        None => format!("{samples} samples"),
+        None => counted(*samples as usize, "sample"),
     };
     let samples = settings.crop.map_or(samples.clone(), |crop| format!("pixels {crop}, {samples}"));
     match mode {
-        Mode::Path => format!("{samples}, {bounces} bounces"),
-        Mode::Variance => format!("mode {}, {samples}, {bounces} bounces", mode.name()),
+        Mode::Path => format!("{samples}, {}", counted(*bounces as usize, "bounce")),
+        Mode::Variance => format!("mode {}, {samples}, {}", mode.name(), counted(*bounces as usize, "bounce")),
         _ => format!("mode {}, {samples}", mode.name()),
     }
 }

@@ -225,7 +225,7 @@ impl App {
     /// Objects and lights of the scene that fulfil a condition.
     fn hideable(&self, is_one: impl Fn(&Item) -> bool) -> Vec<Path> {
         let items = self.open.as_ref().map_or(&[][..], |open| open.document.outline());
-        let can_hide = |item: &&Item| matches!(item.kind, ItemKind::Object | ItemKind::Sun | ItemKind::Point);
+        let can_hide = |item: &&Item| item.kind.can_hide();
         items.iter().filter(can_hide).filter(|item| is_one(item)).map(|item| item.path.clone()).collect()
     }
 

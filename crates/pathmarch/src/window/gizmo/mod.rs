@@ -18,17 +18,17 @@ use crate::window::open_scene::view_state::GizmoMode;
 use crate::window::projection::Projection;
 use drag::Drag;
 use egui::{Pos2, Rect};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use pathmarch_render::pathmarch_scene::Camera;
 use pathmarch_render::pathmarch_scene::document::{Document, ItemKind, Path, Value, key};
 use shape::{Gizmo, Handle};
 use transform::{Transform, local_transform, parent_transform, present_value, round_to};
 
-/// Node that the gizmo changes: a shape, an operator or a light; for an object, its only shape.
+/// Node that the gizmo changes: a shape, an operator, a point or a spot light; for an object, its only shape.
 pub(crate) fn target_node(document: &Document, selection: &Path) -> Option<Path> {
     let item = document.item(selection)?;
     match item.kind {
-        kind if kind.is_solid() || kind == ItemKind::Point => Some(selection.clone()),
+        kind if kind.is_solid() || matches!(kind, ItemKind::Point | ItemKind::Spot) => Some(selection.clone()),
         ItemKind::Object if item.children.len() == 1 => Some(item.children[0].path.clone()),
         _ => None,
     }
@@ -42,8 +42,79 @@ pub(crate) fn moved_by(document: &Document, path: &Path, by: [f64; 3]) -> [f32; 
     outer.to_local(world).translation.to_array().map(|v| round_to(v, 1e-4))
 }
 
+/// Light that the gizmo changes.
+#[derive(Clone, Copy)]
+enum LightHandles {
+    /// Point light, which can be moved.
+    Point,
+    /// Spot light, which can be turned, too, and whose cone can be scaled.
+    Spot(SpotCone),
+}
+
+/// Cone of a spot light.
+#[derive(Clone, Copy)]
+struct SpotCone {
+    /// Unit vector along the axis.
+    direction: DVec3,
+    /// Distance of the target, metres.
+    distance: f64,
+    /// Full angle, degrees.
+    angle: f64,
+}
+
+impl LightHandles {
+    /// The light of a node, and its transform: a spot shines along -y, and its scale is the angle of its cone. `None` for other
+    /// nodes.
+    fn of(document: &Document, path: &Path) -> Option<(Self, Transform)> {
+        let triple = |key: &str| match present_value(document, path, key) {
+            Some(Value::Triple(value)) => Some(DVec3::from_array(value.map(f64::from))),
+            _ => None,
+        };
+        let at = Transform { translation: triple(LIGHT_AT)?, ..Transform::IDENTITY };
+        match document.item(path)?.kind {
+            ItemKind::Point => Some((Self::Point, at)),
+            ItemKind::Spot => {
+                let axis = triple(LIGHT_TARGET)? - at.translation;
+                let Some(Value::Number(angle)) = present_value(document, path, LIGHT_CONE) else { return None };
+                let direction = axis.try_normalize().unwrap_or(DVec3::NEG_Y);
+                let cone = SpotCone { direction, distance: axis.length().max(1e-6), angle: f64::from(angle) };
+                let rotation = DQuat::from_rotation_arc(DVec3::NEG_Y, direction);
+                Some((Self::Spot(cone), Transform { rotation, scale: cone.angle, ..at }))
+            }
+            _ => None,
+        }
+    }
+
+    /// Mode of the gizmo for this light.
+    fn mode(self, mode: GizmoMode) -> GizmoMode {
+        match self {
+            Self::Point => GizmoMode::Move,
+            Self::Spot(_) => mode,
+        }
+    }
+
+    /// Property value that gives the light its new transform.
+    fn change(self, path: Path, mode: GizmoMode, new: Transform) -> (Path, &'static str, Value) {
+        let triple = |v: DVec3| Value::Triple(v.to_array().map(|v| round_to(v, 1e-3)));
+        match (self, mode) {
+            (Self::Spot(cone), GizmoMode::Rotate) => {
+                let target = new.translation + new.rotation * (DVec3::NEG_Y * cone.distance);
+                (path, LIGHT_TARGET, triple(target))
+            }
+            (Self::Spot(_), GizmoMode::Scale) => {
+                (path, LIGHT_CONE, Value::Number(round_to(new.scale.clamp(0.1, 180.0), 0.1)))
+            }
+            _ => (path, LIGHT_AT, triple(new.translation)),
+        }
+    }
+}
+
 /// Property key of a light's position.
 const LIGHT_AT: &str = "at";
+/// Property key of the point that a spot light shines at.
+const LIGHT_TARGET: &str = "target";
+/// Property key of the angle of a spot light.
+const LIGHT_CONE: &str = "cone";
 
 /// State of the gizmo between frames.
 #[derive(Default)]
@@ -81,13 +152,10 @@ impl GizmoState {
             self.held = None;
             return (false, Vec::new());
         };
-        let is_light = document.item(&path).is_some_and(|item| item.kind == ItemKind::Point);
-        let kind = if is_light { GizmoMode::Move } else { kind };
+        let light = LightHandles::of(document, &path);
+        let kind = light.map_or(kind, |(light, _)| light.mode(kind));
         let outer = parent_transform(document, &path);
-        let mut own = local_transform(document, &path);
-        if is_light && let Some(Value::Triple(at)) = present_value(document, &path, LIGHT_AT) {
-            own.translation = at.map(f64::from).into();
-        }
+        let own = light.map_or_else(|| local_transform(document, &path), |(_, transform)| transform);
         let world = outer.then_local(own);
         let projection = Projection::new(camera, picture);
         let (handles, gizmo) = (Handle::of(kind), Gizmo::new(projection, world.translation));
@@ -98,8 +166,14 @@ impl GizmoState {
             (Some((_, drag)), Some(pointer)) => drag.to(&projection, pointer.position, snapping),
             _ => None,
         };
-        let changes = moved.map(|new| change(path, kind, is_light, outer, world, new));
+        let changes = moved.map(|new| match light {
+            Some((light, _)) => light.change(path, kind, new),
+            None => change(path, kind, outer, world, new),
+        });
         let drag = self.held.as_ref().map(|(_, drag)| drag);
+        if let Some((LightHandles::Spot(SpotCone { direction, distance, angle }), _)) = light {
+            draw::draw_cone(&ui.painter_at(picture), &projection, world.translation, direction * distance, angle);
+        }
         if let Some(gizmo) = &gizmo {
             draw::draw(&ui.painter_at(picture), gizmo, handles, hovered, drag);
         }
@@ -136,7 +210,6 @@ impl GizmoState {
 fn change(
     path: Path,
     kind: GizmoMode,
-    is_light: bool,
     outer: Transform,
     world: Transform,
     new: Transform,
@@ -147,7 +220,7 @@ fn change(
             let step = 1e-4 * world.scale.max(1e-3);
             let DVec3 { x, y, z } = inner.translation;
             let at = Value::Triple([x, y, z].map(|v| round_to(v, step.min(1e-3))));
-            (path, if is_light { LIGHT_AT } else { key::AT }, at)
+            (path, key::AT, at)
         }
         GizmoMode::Rotate => (path, key::ROTATE, Value::Triple(inner.degrees())),
         GizmoMode::Scale => (path, key::SCALE, Value::Number(round_to(inner.scale, 1e-4).max(1e-4))),

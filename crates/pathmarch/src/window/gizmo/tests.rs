@@ -333,3 +333,26 @@ fn the_pointer_grabs_drags_and_releases_a_handle() {
     assert_eq!(handle.follow(handles, None, &path, start(), Some(press)), None);
     assert_eq!(holds(&handle), None);
 }
+
+#[test]
+fn a_spot_light_is_moved_turned_and_its_cone_scaled() {
+    let text =
+        "pathmarch 1\ncamera { position 0 0 5; target 0 0 0 }\nspot { at 0 2 0; target 0 0 0; intensity 1; cone 40 }";
+    let document = Document::new("a.kdl", text);
+    let path = document.outline().iter().find(|item| item.kind == ItemKind::Spot).expect("a spot").path.clone();
+    assert_eq!(target_node(&document, &path).as_ref(), Some(&path));
+    let (light, start) = LightHandles::of(&document, &path).expect("a light");
+    let change = |mode: GizmoMode, new: Transform| {
+        let (_, key, value) = light.change(path.clone(), light.mode(mode), new);
+        (key, value)
+    };
+    let moved = Transform { translation: start.translation + DVec3::X, ..start };
+    assert_eq!(change(GizmoMode::Move, moved), ("at", Value::Triple([1.0, 2.0, 0.0])));
+    // A quarter turn about z takes its direction from -y to +x.
+    let turned = Transform { rotation: DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2) * start.rotation, ..start };
+    assert_eq!(change(GizmoMode::Rotate, turned), ("target", Value::Triple([2.0, 2.0, 0.0])));
+    for (factor, cone) in [(1.5, 60.0), (20.0, 180.0), (0.0, 0.1)] {
+        let scaled = Transform { scale: start.scale * factor, ..start };
+        assert_eq!(change(GizmoMode::Scale, scaled), ("cone", Value::Number(cone)));
+    }
+}

@@ -227,9 +227,7 @@ impl App {
             actions.push(TreeAction::Ungroup(path.clone()));
             ui.close();
         }
-        if matches!(item.kind, ItemKind::Object | ItemKind::Sun | ItemKind::Point)
-            && ui.button(if item.hidden { "Show" } else { "Hide" }).clicked()
-        {
+        if item.kind.can_hide() && ui.button(if item.hidden { "Show" } else { "Hide" }).clicked() {
             actions.push(TreeAction::Hide(path.clone(), !item.hidden));
             ui.close();
         }
@@ -389,7 +387,7 @@ fn sign(painter: &egui::Painter, at: Pos2, kind: ItemKind, colour: Color32) {
         ItemKind::Camera => {
             painter.add(triangle(at, false, colour));
         }
-        ItemKind::Sun | ItemKind::Point | ItemKind::Sky | ItemKind::Fog => {
+        ItemKind::Sun | ItemKind::Point | ItemKind::Spot | ItemKind::Sky | ItemKind::Fog => {
             for turn in 0..3 {
                 let out = Vec2::angled(std::f32::consts::PI / 3.0 * turn as f32) * 4.5;
                 painter.line_segment([at - out, at + out], stroke);

@@ -1,7 +1,7 @@
 //! Lights as records of one layout.
 
 use crate::scene::RenderScene;
-use crate::scene::light::{BoxLight, Light, LightShape, SheetLight, SphereLight, TrianglesLight};
+use crate::scene::light::{BoxLight, Light, LightShape, SheetLight, SphereLight, SpotLight, TrianglesLight};
 use crate::wgsl::{declaration, shared_struct, write_constant};
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -14,7 +14,7 @@ shared_struct! {
         pub(super) position: [f32; 3],
         /// Index of the kind, see [`LightShape::kind`].
         pub(super) kind: u32,
-        /// Radiant intensity of a point, W/sr; irradiance of a sun, W/m²; radiance of an object, W/(m² sr).
+        /// Radiant intensity of a point and on the axis of a spot, W/sr; irradiance of a sun, W/m²; radiance of an object, W/(m² sr).
         pub(super) emission: [f32; 3],
         /// Probability of being chosen.
         pub(super) pmf: f32,
@@ -25,7 +25,8 @@ shared_struct! {
         pub(super) leaf: u32,
         /// Radius of a sphere, a disc or a bounding sphere, metres; of a sun 1 - cosine of its angular radius.
         pub(super) radius: f32,
-        /// Half edges, metres; of a sheet y is the unit normal of the emitting side, of a disc x and z are unit axes.
+        /// Half edges, metres; of a spot y is the axis, and x has the cosine at which it ends and the inverse width of its
+        /// falloff; of a sheet y is the unit normal of the emitting side, of a disc x and z are unit axes.
         pub(super) x: [f32; 3],
         /// Sharpness of shadows from near misses; 0 for exact shadows.
         pub(super) penumbra: f32,
@@ -40,7 +41,7 @@ shared_struct! {
 
 /// Names of the kinds of lights in constants of the kernel, by index.
 pub(crate) const KIND_NAMES: [&str; LightShape::KINDS] =
-    ["POINT", "SUN", "SPHERE", "RECT", "DISC", "BOX", "BOUNDED", "ENVIRONMENT", "TRIANGLES"];
+    ["POINT", "SUN", "SPHERE", "RECT", "DISC", "BOX", "BOUNDED", "ENVIRONMENT", "TRIANGLES", "SPOT"];
 
 /// Declarations of lights and their kinds in WGSL.
 pub(crate) fn shared_wgsl() -> String {
@@ -85,6 +86,12 @@ impl LightRecord {
             LightShape::Point(point) => {
                 Self { position: point.position.into(), ..Self::emitting(point.radiant_intensity) }
             }
+            LightShape::Spot(SpotLight { point, axis, cos_outer, inverse_falloff }) => Self {
+                position: point.position.into(),
+                x: [*cos_outer, *inverse_falloff, 0.0],
+                y: (*axis).into(),
+                ..Self::emitting(point.radiant_intensity)
+            },
             LightShape::Sun(sun) => {
                 Self { position: sun.direction.into(), radius: sun.one_minus_cos, ..Self::emitting(sun.irradiance) }
             }

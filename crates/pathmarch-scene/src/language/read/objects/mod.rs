@@ -370,7 +370,7 @@ impl<'m> Solids<'m> {
             && let Some(endless) = children.iter().find(is_endless)
         {
             let what = first_name(endless);
-            let message = format!("`{what}` has no end, and `{}` needs finite shapes.", modifier.info().name);
+            let message = format!("`{what}` is infinite, and `{}` needs finite shapes.", modifier.info().name);
             let mistake = draft("pathmarch::endless", node.name.span, message).label("not of something endless");
             context.report.add(mistake.help("Cut it first: intersect { box 10 1 10; … }."));
             return None;

@@ -1,8 +1,8 @@
 //! Camera controls.
 
 use crate::window::app::App;
-use crate::window::exposure::suitable_stops;
 use egui::{ComboBox, DragValue, Slider, SliderClamping, Ui};
+use pathmarch_render::exposure::suitable_stops;
 use pathmarch_render::pathmarch_scene::settings;
 
 impl App {
