@@ -1,9 +1,9 @@
 //! Checks of a solid that is to be printed: thickness of its walls, and overhangs.
 //!
-//! **Idea.** A wall is measured by a ray from the middle of a triangle into the solid to the next surface that faces the other way
-//! to within 45°; edges and tips, which become thin everywhere, do not count. An overhang faces down by more than 45° and does
-//! not lie on the build plate, the lowest plane of the solid. **Cost.** That of a hierarchy, and a ray for each triangle up to
-//! [`WALL_SAMPLES`].
+//! **Idea.** A wall is measured by a ray from the middle of a triangle into the solid to the next surface that faces
+//! the other way to within 45°; edges and tips, which become thin everywhere, do not count. An overhang faces down by
+//! more than 45° and does not lie on the build plate, the lowest plane of the solid. **Cost.** That of a hierarchy, and
+//! a ray for each triangle up to [`WALL_SAMPLES`].
 
 use crate::bvh::{BuildError, Bvh, Ray};
 use crate::report::WALL_SAMPLES;
@@ -11,7 +11,8 @@ use crate::triangle_mesh::TriangleMesh;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Share of the surface that may be thinner than [`PrintReport::thinnest_wall`]: triangles that are folded over at sharp edges.
+/// Share of the surface that may be thinner than [`PrintReport::thinnest_wall`]: triangles that are folded over at
+/// sharp edges.
 pub const THINNER_SHARE: f64 = 0.001;
 /// Smallest cosine between the normals of one side of a wall and of the other, reversed.
 const COSINE_OF_WALL: f32 = std::f32::consts::FRAC_1_SQRT_2;

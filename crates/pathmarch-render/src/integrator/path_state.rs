@@ -25,7 +25,8 @@ pub(super) struct Path {
     pub(super) ray: Ray,
     /// Point that the light at the previous surface was sampled from, in world space.
     pub(super) previous_vertex: Vec3,
-    /// Shading normal of the previous surface; `None` if it transmits, or in a medium, so that light arrives on both sides.
+    /// Shading normal of the previous surface; `None` if it transmits, or in a medium, so that light arrives on both
+    /// sides.
     pub(super) previous_normal: Option<Vec3>,
     pub(super) throughput: Vec3,
     /// Length from the camera, metres.
@@ -34,11 +35,12 @@ pub(super) struct Path {
     pub(super) scatter_pdf: f32,
     /// Media of the solids around the path.
     pub(super) medium: Medium,
-    /// True if others have contributed the lights that the ray hits: with fast caustics shadow rays, if it has only passed
-    /// through clear glass since it last sampled a light; with traced caustics photons, if it has only met focusing surfaces since
-    /// it met photons.
+    /// True if others have contributed the lights that the ray hits: with fast caustics shadow rays, if it has only
+    /// passed through clear glass since it last sampled a light; with traced caustics photons, if it has only met
+    /// focusing surfaces since it met photons.
     pub(super) lights_are_counted: bool,
-    /// True if the path met photons where it last scattered at anything but a focusing surface: at a surface, not in a medium.
+    /// True if the path met photons where it last scattered at anything but a focusing surface: at a surface, not in a
+    /// medium.
     pub(super) met_photons: bool,
     /// Square of the refractive index around the path.
     pub(super) index_square: f32,

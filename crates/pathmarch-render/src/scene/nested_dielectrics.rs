@@ -1,17 +1,18 @@
-//! Nested dielectrics: which of the overlapping solids around a point fills the space (Schmidt and Budge 2002, "Simple Nested
-//! Dielectrics in Ray Traced Images").
+//! Nested dielectrics: which of the overlapping solids around a point fills the space (Schmidt and Budge 2002, "Simple
+//! Nested Dielectrics in Ray Traced Images").
 //!
-//! Solids of the highest priority fill the space. The surface of another one inside them is a *false intersection*: light
-//! passes it unchanged. At any other surface, the relative index is that of the two sides. The index of a space is
-//! the product of the indices of the solids that fill it, so that solids of equal priority look as in scenes without
+//! Solids of the highest priority fill the space. The surface of another one inside them is a *false intersection*:
+//! light passes it unchanged. At any other surface, the relative index is that of the two sides. The index of a space
+//! is the product of the indices of the solids that fill it, so that solids of equal priority look as in scenes without
 //! priorities: each surface has its own index against what is around it, and media add up.
 //!
 //! A path remembers the solids around it by the leaf through which it entered each object. A surface settles whether
 //! the path is in its object: a path that missed a surface is corrected by the next one of that object. Where the
 //! materials of an object blend, a surface has the index of its own material on both sides of the walk.
 //!
-//! **Limit.** At most [`MAX_SOLIDS`](super::medium::MAX_SOLIDS) are remembered. Of more, those of the lowest priority are forgotten, which do not fill the
-//! space: light is wrong only where the path leaves the others and one of them would fill it again.
+//! **Limit.** At most [`MAX_SOLIDS`](super::medium::MAX_SOLIDS) are remembered. Of more, those of the lowest priority
+//! are forgotten, which do not fill the space: light is wrong only where the path leaves the others and one of them
+//! would fill it again.
 
 use super::material::{BOUNDARY, TRANSMITS};
 use super::medium::SolidsAround;

@@ -1,12 +1,13 @@
 //! Photon map: photons in a hash table of cells, and the light that a surface reflects of the photons around it.
 //!
-//! A photon is spread over a disc with Epanechnikov's kernel. The radius depends on the position of the photon, a few pixels as seen from
-//! the camera, so that each photon keeps its power. Cells are a power of two, two to four radii wide: a surface visits those around it, of
-//! one size, or of two where the size changes. In a cell with many photons, every n-th is visited, from a random one on, and
-//! counts n times.
+//! A photon is spread over a disc with Epanechnikov's kernel. The radius depends on the position of the photon, a few
+//! pixels as seen from the camera, so that each photon keeps its power. Cells are a power of two, two to four radii
+//! wide: a surface visits those around it, of one size, or of two where the size changes. In a cell with many photons,
+//! every n-th is visited, from a random one on, and counts n times.
 //!
-//! A small bright caustic that indirect light finds by chance is noise. So indirect light uses a grid with larger discs of fewer photons
-//! where a disc is smaller than the area over which the scattered ray spreads. The hash table has a slot for each cell that is not empty, found by linear probing.
+//! A small bright caustic that indirect light finds by chance is noise. So indirect light uses a grid with larger discs
+//! of fewer photons where a disc is smaller than the area over which the scattered ray spreads. The hash table has a
+//! slot for each cell that is not empty, found by linear probing.
 
 use super::FrameUniforms;
 use crate::sampling::sobol::hash;
@@ -147,8 +148,9 @@ pub(crate) struct LitSurface {
     /// Unit geometric normal on the side of the viewer.
     pub(crate) normal: Vec3,
     pub(crate) transmits: bool,
-    /// Area from which the surface is seen indirectly, square metres, up to a factor: the square of the distance of the last surface that is
-    /// not focusing, divided by the pdf of the direction from there; 0 if it is seen directly, infinite over focusing surfaces.
+    /// Area from which the surface is seen indirectly, square metres, up to a factor: the square of the distance of the
+    /// last surface that is not focusing, divided by the pdf of the direction from there; 0 if it is seen directly,
+    /// infinite over focusing surfaces.
     pub(crate) footprint: f32,
     /// Largest number of focusing surfaces on the way of the photons.
     pub(crate) max_focusing: u32,
@@ -216,8 +218,8 @@ impl PhotonGrid {
         Cell::of(photon.p, level_of(self.radius_at(photon.p)))
     }
 
-    /// Radiance that a surface reflects of the photons around it. `reflect` returns the value of the BSDF times the cosine for a
-    /// direction to a light, and zero where none arrives.
+    /// Radiance that a surface reflects of the photons around it. `reflect` returns the value of the BSDF times the
+    /// cosine for a direction to a light, and zero where none arrives.
     fn reflected(&self, surface: &LitSurface, reflect: impl Fn(Vec3) -> Vec3) -> Vec3 {
         let &LitSurface { p, normal, .. } = surface;
         let radius = self.radius_at(p);
@@ -302,8 +304,8 @@ impl PhotonMap {
         }
     }
 
-    /// Radiance that a surface reflects of the photons around it. `reflect` returns the value of the BSDF times the cosine for a
-    /// direction to a light, and zero where none arrives.
+    /// Radiance that a surface reflects of the photons around it. `reflect` returns the value of the BSDF times the
+    /// cosine for a direction to a light, and zero where none arrives.
     pub(crate) fn reflected(&self, surface: &LitSurface, reflect: impl Fn(Vec3) -> Vec3) -> Vec3 {
         let radius = self.blurred.radius_at(surface.p);
         let grid = if surface.footprint > radius * radius { &self.blurred } else { &self.sharp };

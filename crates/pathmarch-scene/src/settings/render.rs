@@ -110,8 +110,8 @@ render_settings! {
         kind: choice("kind of caustics", Caustics::names),
         unit: "",
         example: "caustics \"traced\"",
-        doc: "Light over mirrors and clear glass: found by camera paths (sampled), by paths from the lights (traced), or passed straight \
-              on through glass by shadow rays (fast), which is biased.",
+        doc: "Light over mirrors and clear glass: found by camera paths (sampled), by paths from the lights (traced), or \
+              passed straight on through glass by shadow rays (fast), which is biased.",
     }
     estimator: DirectLighting = DirectLighting::Mis => {
         kind: choice("estimator of direct light", DirectLighting::names),

@@ -135,7 +135,7 @@ fn features(picture: &Path) -> Vec<Feature> {
     {
         all.push(Feature { render, ..Feature::new(name, "") });
     }
-    let mirror = "material \"mirror\" { metal 1 }\nobject \"mirror\" material=\"mirror\" { box 1 2 0.1 { at 0 1 -2 } }\n\
+    let mirror = "material \"polished\" { metal 1 }\nobject \"polished\" material=\"polished\" { box 1 2 0.1 { at 0 1 -2 } }\n\
                   point { at 2 4 2; intensity 9 }";
     all.push(Feature { render: "caustics \"traced\"", ..Feature::new("traced caustics", mirror) });
     let custom = r#"field "egg" {

@@ -1,9 +1,9 @@
 //! Starts of light paths: a light, a point on it, and a direction towards a focusing object.
 //!
-//! An alias table chooses a pair of a light and a target, the bounding sphere of focusing objects, in proportion to the power that
-//! reaches the target. The density of a ray is the sum over all targets, so that targets may overlap. Where a focusing object
-//! has no end, such as a water surface, a share of the paths goes in all directions, or from a sun to a wide region around
-//! the scene.
+//! An alias table chooses a pair of a light and a target, the bounding sphere of focusing objects, in proportion to the
+//! power that reaches the target. The density of a ray is the sum over all targets, so that targets may overlap. Where
+//! a focusing object has no end, such as a water surface, a share of the paths goes in all directions, or from a sun to
+//! a wide region around the scene.
 
 use crate::integrator::light_sampling::{cone_direction, subtended_cone};
 use crate::intersect::march::START_OFFSET;
@@ -171,8 +171,8 @@ impl Emission {
         }
     }
 
-    /// Direction from `p` to a target, and its pdf over solid angle, that of all targets together. `all` are the directions in which
-    /// the light shines.
+    /// Direction from `p` to a target, and its pdf over solid angle, that of all targets together. `all` are the
+    /// directions in which the light shines.
     fn direction(&self, probabilities: &[f32], target: usize, all: Cone, p: Vec3, random: [f32; 2]) -> (Vec3, f32) {
         let (axis, one_minus_cos) = self.targets[target].cone(p, all);
         let direction = cone_direction(axis, one_minus_cos, random);

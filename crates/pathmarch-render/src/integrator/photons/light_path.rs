@@ -1,8 +1,8 @@
 //! Light paths: from a light over focusing surfaces to the first one that is not.
 //!
-//! A light path carries power, not radiance. So refraction does not scale it by the square of the relative index, and a shading
-//! normal scales it by the ratio of cosines (Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation", sections
-//! 5.2 and 5.3).
+//! A light path carries power, not radiance. So refraction does not scale it by the square of the relative index, and a
+//! shading normal scales it by the ratio of cosines (Veach 1997, "Robust Monte Carlo Methods for Light Transport
+//! Simulation", sections 5.2 and 5.3).
 
 use super::emission::Emission;
 use crate::integrator::nested_dielectrics;

@@ -1,25 +1,26 @@
-//! Caustics: light that mirrors, metal and glass reflect or refract onto others, by light paths and photon maps (Jensen 1996,
-//! "Global Illumination using Photon Maps").
+//! Caustics: light that mirrors, metal and glass reflect or refract onto others, by light paths and photon maps (Jensen
+//! 1996, "Global Illumination using Photon Maps").
 //!
-//! A path from the camera finds a caustic only if it hits the light by chance, and never that of a light without size. So
-//! with `caustics "traced"`, paths also start at the lights ([`emission`]), aimed at the bounds of objects with a *focusing*
-//! surface: metal or glass up to a roughness of 0.3. They end at the first surface that is not focusing ([`light_path`]). If
-//! they met a focusing one before, that end is a photon of the [photon map](crate::scene::photon_map). Camera paths add the
-//! photons around each surface that is not focusing, so that caustics are seen directly, in mirrors, through glass and in
-//! indirect light.
+//! A path from the camera finds a caustic only if it hits the light by chance, and never that of a light without size.
+//! So with `caustics "traced"`, paths also start at the lights ([`emission`]), aimed at the bounds of objects with a
+//! *focusing* surface: metal or glass up to a roughness of 0.3. They end at the first surface that is not focusing
+//! ([`light_path`]). If they met a focusing one before, that end is a photon of the [photon
+//! map](crate::scene::photon_map). Camera paths add the photons around each surface that is not focusing, so that
+//! caustics are seen directly, in mirrors, through glass and in indirect light.
 //!
-//! **Every path is counted once.** A camera path that has met photons, and only focusing surfaces since, ignores all lights
-//! at which light paths start. Those are all but the sky, objects sampled by their bounding sphere, and lamps within glass.
+//! **Every path is counted once.** A camera path that has met photons, and only focusing surfaces since, ignores all
+//! lights at which light paths start. Those are all but the sky, objects sampled by their bounding sphere, and lamps
+//! within glass.
 //!
-//! **Bias.** A photon is spread over a disc of a few pixels, which blurs the caustic. Each sample has its own map with smaller
-//! discs, so that the blur vanishes as samples add up (Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic
-//! Approach"); it ends at half a pixel, below the pixel filter.
+//! **Bias.** A photon is spread over a disc of a few pixels, which blurs the caustic. Each sample has its own map with
+//! smaller discs, so that the blur vanishes as samples add up (Knaus and Zwicker 2011, "Progressive Photon Mapping: A
+//! Probabilistic Approach"); it ends at half a pixel, below the pixel filter.
 //!
-//! **Limits.** Caustics of rougher surfaces, of `principled` metal and glass, and light that media scatter on its way are
-//! found by camera paths alone. A camera path and a photon that both disperse have a wavelength each.
+//! **Limits.** Caustics of rougher surfaces, of `principled` metal and glass, and light that media scatter on its way
+//! are found by camera paths alone. A camera path and a photon that both disperse have a wavelength each.
 //!
-//! **Cost.** A quarter as many light paths as the picture has pixels, for each sample, on the CPU on both backends. Scenes
-//! without focusing surfaces pay nothing.
+//! **Cost.** A quarter as many light paths as the picture has pixels, for each sample, on the CPU on both backends.
+//! Scenes without focusing surfaces pay nothing.
 
 pub(crate) mod emission;
 mod light_path;
