@@ -150,7 +150,7 @@ def test_meshes_that_cannot_be_made_are_refused(options, message, ball, tmp_path
 
 def test_endless_solids_need_bounds(ball):
     scene = pathmarch.Scene(ball + 'object "floor" { plane { at 0 -1 0 } }\n')
-    with pytest.raises(ValueError, match="no end"):
+    with pytest.raises(ValueError, match="is infinite"):
         scene.mesh(8)
     count = len(scene.mesh(8, bounds=((-2, -2, -2), (2, 2, 2)))["triangles"])
     assert len(scene.mesh(8, bounds=numpy.array([[-2.0] * 3, [2.0] * 3]))["triangles"]) == count > 10

@@ -285,7 +285,9 @@ def _file_nodes() -> Iterator[Function]:
         settings = _settings(word, "node")
         if word in ("point", "spot"):
             # Instead of it, a light may have candela or lumen.
-            settings = tuple(one._replace(required=one.required and one.name != "intensity") for one in settings)
+            settings = tuple(
+                one._replace(required=False, default=None) if one.name == "intensity" else one for one in settings
+            )
         name = (optional_name,) if word == "camera" else ()
         yield Function(word, doc, _top(word, settings), (), "", (*settings, *name))
 
