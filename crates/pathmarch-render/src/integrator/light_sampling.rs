@@ -49,6 +49,7 @@ pub(super) struct ChosenLight<'a> {
 
 /// Chooses a light for a point with a uniform number. `normal` is the unit normal of a surface that is lit on this side only;
 /// `None` for surfaces that transmit and for points in a medium. Returns `None` if no light contributes.
+#[inline]
 pub(super) fn choose_light<'a>(
     ctx: &TraceContext<'a>,
     p: Vec3,
@@ -84,6 +85,7 @@ pub(crate) fn light_pmf(scene: &RenderScene, light: usize, p: Vec3, normal: Opti
 }
 
 /// Samples a direction from `p` to a chosen light.
+#[inline]
 pub(super) fn sample_direction(
     ctx: &TraceContext,
     light: &ChosenLight,

@@ -34,10 +34,10 @@ use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
 use crate::sampling::basis::basis;
 use crate::sampling::sobol::{PixelSampler, pair};
-use crate::scene::TraceContext;
 use crate::scene::leaf::IN_GLASS;
 use crate::scene::material::{DELTA, DISPERSES, FOCUSES, GLOWS, TRANSMITS};
 use crate::scene::photon_map::LitSurface;
+use crate::scene::{Medium, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use glam::Vec3;
@@ -314,19 +314,20 @@ fn shade(
     // The normal of a rough field may point away from the ray: then its mirrored direction replaces it.
     let wo = wo_unclamped.with_z(wo_unclamped.z.abs().max(1e-5));
     let transmits = material.has(TRANSMITS);
-    let medium_beyond_surface = medium_after(ctx, &path.medium, interaction.leaf, inside);
-    let footprint = path.footprint(p);
+    let medium_beyond_surface = |medium: &Medium| medium_after(ctx, medium, interaction.leaf, inside);
+    let footprint = if ctx.photons.is_some() { path.footprint(p) } else { 0.0 };
     let focuses = ctx.config.traced_caustics && material.has(FOCUSES);
     let [light_choice, roulette] = samples.choice;
     if !material.has(DELTA) {
         path.previous_vertex = if transmits { p } else { p + normal_offset };
         path.previous_normal = (!transmits).then_some(ns);
         let (vertex, normal) = (path.previous_vertex, path.previous_normal);
-        let chosen = light_sampling::choose_light(ctx, vertex, normal, light_choice);
-        // Photons have already contributed it.
-        let chosen = chosen.filter(|light| !(focuses && path.met_photons && ctx.scene.starts_light_paths(light.shape)));
-        let light = chosen.and_then(|light| light_sampling::sample_direction(ctx, &light, vertex, samples.light));
-        if let Some(light) = light {
+        // Photons have already contributed the others.
+        let is_needed = |shape| !(focuses && path.met_photons && ctx.scene.starts_light_paths(shape));
+        if let Some(chosen) = light_sampling::choose_light(ctx, vertex, normal, light_choice)
+            && is_needed(chosen.shape)
+            && let Some(light) = light_sampling::sample_direction(ctx, &chosen, vertex, samples.light)
+        {
             let wi = local_from_world * light.direction;
             let is_transmission = wi.z < 0.0;
             if (wi.z > 0.0 || transmits) && !crosses_surface(wi, light.direction) {
@@ -342,7 +343,7 @@ fn shade(
                         },
                         light,
                         path_length: path.length,
-                        medium: if is_transmission { medium_beyond_surface } else { path.medium },
+                        medium: if is_transmission { medium_beyond_surface(&path.medium) } else { path.medium },
                         sampler: path.sampler,
                     });
                 }
@@ -388,7 +389,7 @@ fn shade(
     path.ray = Ray { origin: p + if is_transmission { -normal_offset } else { normal_offset }, direction };
     path.scatter_pdf = scattered.pdf;
     if is_transmission {
-        path.medium = medium_beyond_surface;
+        path.medium = medium_beyond_surface(&path.medium);
     }
     Some(())
 }
