@@ -11,6 +11,7 @@ mod materials;
 mod media;
 mod meshes;
 mod mistakes;
+mod parsed;
 mod random;
 mod reference_page;
 mod robust;

@@ -1,25 +1,7 @@
 //! Media in the scene language: values, mistakes and warnings.
 
-use pathmarch_scene::{Medium, Scene};
-
-const HEAD: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0 }\n";
-
-fn scene(text: &str) -> Scene {
-    Scene::parse("scene.kdl", &format!("{HEAD}{text}")).expect("a valid scene")
-}
-
-/// Messages of the warnings whose code ends with this.
-fn warnings(text: &str, code: &str) -> Vec<String> {
-    let found = scene(text).warnings.into_iter().filter(|warning| warning.code.ends_with(code));
-    found.map(|warning| warning.message).collect()
-}
-
-fn mistakes(text: &str) -> Vec<String> {
-    match Scene::parse("scene.kdl", &format!("{HEAD}{text}")) {
-        Err(error) => error.mistakes().iter().map(|mistake| mistake.message.clone()).collect(),
-        Ok(_) => panic!("{text} has no mistakes"),
-    }
-}
+use crate::parsed::{mistakes, scene, warnings};
+use pathmarch_scene::Medium;
 
 #[test]
 fn media_have_the_values_of_the_text() {

@@ -10,14 +10,14 @@
 //! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
 use crate::sampling::basis::basis;
-use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight};
+use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight, TrianglesLight};
 use crate::scene::mesh_light::PointOnMesh;
 use crate::scene::sky::EnvironmentSample;
 use crate::scene::{RenderScene, SkyLight, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_scene::DirectLighting;
-use pathmarch_scene::textures::Spot;
+use pathmarch_scene::textures::{MeshAttributes, Spot};
 use std::f32::consts::{PI, TAU};
 
 /// Sample of a light, before visibility.
@@ -149,10 +149,7 @@ pub(super) fn sample_direction(
             if cosine == 0.0 || (cosine < 0.0 && mesh.is_single_sided) {
                 return None;
             }
-            let material = ctx.scene.leaves[triangles.bounds.leaf as usize].material as usize;
-            let spot = Spot { p: Vec3::ZERO, normal: Vec3::Y, footprint: 0.0, attributes };
-            let texture = ctx.scene.textured_materials[material].emission.as_ref();
-            let radiance = texture.map_or(triangles.bounds.radiance, |texture| texture.colour(&spot));
+            let radiance = mesh_radiance(ctx.scene, triangles, attributes);
             let solid_angle = triangles.area * cosine.abs() / square;
             let irradiance = radiance * light.inverse_pmf * solid_angle;
             sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / solid_angle, None)
@@ -220,9 +217,17 @@ fn sphere_entry(offset: Vec3, direction: Vec3, radius: f32) -> f32 {
     if along > half_chord { along - half_chord } else { along + half_chord }
 }
 
+/// Radiance of an emitting mesh at a point with these vertex attributes, W/(m² sr).
+pub(super) fn mesh_radiance(scene: &RenderScene, triangles: &TrianglesLight, attributes: MeshAttributes) -> Vec3 {
+    let material = scene.leaves[triangles.bounds.leaf as usize].material as usize;
+    let spot = Spot { p: Vec3::ZERO, normal: Vec3::Y, footprint: 0.0, attributes };
+    let texture = scene.textured_materials[material].emission.as_ref();
+    texture.map_or(triangles.bounds.radiance, |texture| texture.colour(&spot))
+}
+
 /// Samples a point by area on the part of a rectangle, disc or box that may be visible from `p`. Returns the point, its
 /// normal and the area of that part, square metres.
-fn sample_area(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
+pub(super) fn sample_area(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
     match shape {
         LightShape::Rect(SheetLight { centre, axes: [x, z], normal, area, .. }) => {
             let point = *centre + *x * (2.0 * u - 1.0) + *z * (2.0 * v - 1.0);
@@ -260,11 +265,17 @@ fn sample_area(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f3
     }
 }
 
+/// Area of a face of a box across each axis, square metres.
+pub(super) fn face_areas(light: &BoxLight) -> [f32; 3] {
+    let [x, y, z] = light.axes.map(Vec3::length);
+    [4.0 * y * z, 4.0 * z * x, 4.0 * x * y]
+}
+
 /// Area of a face of a box across each axis, zero where none is visible from `p`, and the area of all visible faces.
 fn visible_areas(light: &BoxLight, p: Vec3) -> ([f32; 3], f32) {
     let [x, y, z] = light.axes;
     let offset = p - light.centre;
-    let areas = [4.0 * y.length() * z.length(), 4.0 * z.length() * x.length(), 4.0 * x.length() * y.length()];
+    let areas = face_areas(light);
     let visible = [x, y, z].map(|axis| offset.dot(axis).abs() > axis.length_squared());
     if !visible.contains(&true) {
         return (areas, 2.0 * (areas[0] + areas[1] + areas[2]));

@@ -1,20 +1,31 @@
-//! Refraction between nested dielectrics, see [`scene::nested_dielectrics`](crate::scene::nested_dielectrics).
+//! Refraction at surfaces: dispersion, and nested dielectrics, see [`scene::nested_dielectrics`](crate::scene::nested_dielectrics).
 
+use super::path_state::disperse;
+use crate::scene::material::DISPERSES;
 use crate::scene::{Medium, TraceContext};
+use glam::Vec3;
 use pathmarch_scene::materials::{BsdfParameters, dispersion};
 
-/// Parameters of the BSDF of a leaf with the index relative to what is around a path, its `medium`; `None` without refraction. If
-/// the index depends on the wavelength, `disperse` chooses that of the path.
-pub(super) fn parameters_at_surface(
+/// Parameters of the BSDF of a leaf with the index at the wavelength of a path and relative to the medium around it; `None` if
+/// they are those of its material. If the index depends on the wavelength, the path has one from here on, see [`disperse`].
+pub(super) fn refracting_parameters(
     ctx: &TraceContext,
     medium: &Medium,
     leaf: usize,
     parameters: &BsdfParameters,
-    wavelength: Option<f32>,
-    disperse: impl FnOnce() -> f32,
+    (wavelength, carried): (&mut Option<f32>, &mut Vec3),
+    random: impl FnOnce() -> f32,
 ) -> Option<BsdfParameters> {
+    if !ctx.config.nested_dielectrics {
+        let material = ctx.scene.leaves[leaf].material as usize;
+        let at_wavelength = ctx.scene.bsdfs[material]?.at_wavelength;
+        let at_wavelength = at_wavelength.filter(|_| ctx.scene.materials[material].has(DISPERSES))?;
+        return Some(at_wavelength(parameters, dispersion::index_offset(disperse(wavelength, carried, random))));
+    }
     let with_index = with_index(ctx, leaf)?;
-    let wavelength = if ctx.scene.disperses_at(medium, leaf) { Some(disperse()) } else { wavelength };
+    if ctx.scene.disperses_at(medium, leaf) {
+        disperse(wavelength, carried, random);
+    }
     let offset = wavelength.map_or(0.0, dispersion::index_offset);
     Some(with_index(parameters, ctx.scene.index_at_surface(medium, leaf, offset)))
 }

@@ -25,7 +25,7 @@ use super::guides::{Guide, GuideRecorder};
 use super::light_sampling;
 use super::media_segment::{self, Vertex};
 use super::medium::transmittance;
-use super::nested_dielectrics;
+use super::nested_dielectrics::refracting_parameters;
 use super::participating_media::medium_after;
 use super::path_state::{Path, clamped, escaped_radiance};
 use super::shadow::{self, ShadowTest};
@@ -35,14 +35,13 @@ use crate::intersect::ray::{Ray, RaySegment};
 use crate::sampling::basis::basis;
 use crate::sampling::sobol::{PixelSampler, pair};
 use crate::scene::leaf::IN_GLASS;
-use crate::scene::material::{DELTA, DISPERSES, FOCUSES, GLOWS, TRANSMITS};
+use crate::scene::material::{DELTA, FOCUSES, GLOWS, TRANSMITS};
 use crate::scene::photon_map::LitSurface;
 use crate::scene::{Medium, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
-use pathmarch_scene::materials::dispersion;
 use std::iter::repeat_n;
 
 /// Radiance of `samples` samples of each of these pixels from sample `first` on, pixel by pixel. More than one sample
@@ -294,15 +293,9 @@ fn shade(
     }
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
-    let refracting = if ctx.config.nested_dielectrics {
-        let (medium, wavelength) = (path.medium, path.wavelength);
-        let disperse = || path.disperse(samples.wavelength);
-        let leaf = interaction.leaf;
-        nested_dielectrics::parameters_at_surface(ctx, &medium, leaf, parameters, wavelength, disperse)
-    } else {
-        let at_wavelength = bsdf.at_wavelength.filter(|_| material.has(DISPERSES));
-        at_wavelength.map(|at| at(parameters, dispersion::index_offset(path.disperse(samples.wavelength))))
-    };
+    let carried = (&mut path.wavelength, &mut path.throughput);
+    let refracting =
+        refracting_parameters(ctx, &path.medium, interaction.leaf, parameters, carried, || samples.wavelength);
     let parameters = refracting.as_ref().unwrap_or(parameters);
     // Shading normal; the geometric normal decides on which side a direction is.
     let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);

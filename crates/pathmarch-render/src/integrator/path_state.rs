@@ -69,15 +69,16 @@ impl Path {
             () => 0.0,
         }
     }
+}
 
-    /// Wavelength; chosen now if it was not before.
-    pub(super) fn disperse(&mut self, random: f32) -> f32 {
-        *self.wavelength.get_or_insert_with(|| {
-            let wavelength = dispersion::wavelength(random);
-            self.throughput *= dispersion::colour(wavelength);
-            wavelength
-        })
-    }
+/// Wavelength of a path, in nanometres. If it has none, a random number chooses it, and what the path carries takes its
+/// colour.
+pub(super) fn disperse(wavelength: &mut Option<f32>, carried: &mut Vec3, random: impl FnOnce() -> f32) -> f32 {
+    *wavelength.get_or_insert_with(|| {
+        let wavelength = dispersion::wavelength(random());
+        *carried *= dispersion::colour(wavelength);
+        wavelength
+    })
 }
 
 /// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.

@@ -32,8 +32,6 @@ shared_constants! {
     const NORMAL_CODES: f32 = 255.0;
 }
 
-/// Key of an empty slot; keys have 24 bits.
-const EMPTY_SLOT: u32 = u32::MAX;
 /// Largest number of focusing surfaces on the way of a photon: four bits of its code.
 pub(crate) const MAX_FOCUSING: u32 = 15;
 /// Radius of a photon in the first sample, in pixels.
@@ -119,13 +117,24 @@ fn level_of(radius: f32) -> i32 {
 }
 
 /// Photons of a cell.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Slot {
     /// Index of the first photon.
     first: u32,
+    /// Number of photons; 0 for an empty slot.
     count: u32,
-    /// Key of the cell, or [`EMPTY_SLOT`].
+    /// Key of the cell.
     key: u32,
+}
+
+/// Index of the first slot from that of a hash on for which `found` is true, by linear probing.
+fn probe(slots: &[Slot], hash: u32, found: impl Fn(&Slot) -> bool) -> usize {
+    let mask = slots.len() - 1;
+    let mut index = hash as usize & mask;
+    while !found(&slots[index]) {
+        index = (index + 1) & mask;
+    }
+    index
 }
 
 /// Photons in the cells of a hash table.
@@ -173,15 +182,11 @@ impl PhotonGrid {
         // A stable sort: photons of a cell keep the order of their paths.
         keyed.par_sort_by_key(|(hash, _)| *hash);
         let cells = keyed.chunk_by(|(a, _), (b, _)| a == b);
-        let empty = Slot { first: 0, count: 0, key: EMPTY_SLOT };
-        let mut slots = vec![empty; Self::slot_count(keyed.len() as u32) as usize];
+        let mut slots = vec![Slot::default(); Self::slot_count(keyed.len() as u32) as usize];
         let mut first = 0;
         for cell in cells {
             let (hash, key) = cell[0].0;
-            let mut index = hash as usize & (slots.len() - 1);
-            while slots[index].key != EMPTY_SLOT {
-                index = (index + 1) & (slots.len() - 1);
-            }
+            let index = probe(&slots, hash, |slot| slot.count == 0);
             slots[index] = Slot { first, count: cell.len() as u32, key };
             first += cell.len() as u32;
         }
@@ -197,16 +202,8 @@ impl PhotonGrid {
     /// Photons of a cell.
     fn photons_of(&self, cell: Cell) -> &[Photon] {
         let (hash, key) = cell.hash();
-        let mask = self.slots.len() - 1;
-        let mut index = hash as usize & mask;
-        while self.slots[index].key != EMPTY_SLOT {
-            let Slot { first, count, key: found } = self.slots[index];
-            if found == key {
-                return &self.photons[first as usize..][..count as usize];
-            }
-            index = (index + 1) & mask;
-        }
-        &[]
+        let Slot { first, count, .. } = self.slots[probe(&self.slots, hash, |slot| slot.count == 0 || slot.key == key)];
+        &self.photons[first as usize..][..count as usize]
     }
 
     /// Radius of a photon at `p`, metres.
@@ -221,7 +218,7 @@ impl PhotonGrid {
     /// Radiance that a surface reflects of the photons around it. `reflect` returns the value of the BSDF times the
     /// cosine for a direction to a light, and zero where none arrives.
     fn reflected(&self, surface: &LitSurface, reflect: impl Fn(Vec3) -> Vec3) -> Vec3 {
-        let &LitSurface { p, normal, .. } = surface;
+        let p = surface.p;
         let radius = self.radius_at(p);
         // Radii of photons around differ by less.
         let margin = 1.0 + 1.5 * self.radius_scale;
@@ -233,7 +230,7 @@ impl PhotonGrid {
                 for y in low.y..=high.y {
                     for x in low.x..=high.x {
                         let cell = Cell { place: IVec3::new(x, y, z), level };
-                        sum += self.reflected_of(cell, surface, normal, &reflect);
+                        sum += self.reflected_of(cell, surface, &reflect);
                     }
                 }
             }
@@ -241,7 +238,9 @@ impl PhotonGrid {
         sum
     }
 
-    fn reflected_of(&self, cell: Cell, surface: &LitSurface, normal: Vec3, reflect: impl Fn(Vec3) -> Vec3) -> Vec3 {
+    /// The same of the photons of one cell.
+    fn reflected_of(&self, cell: Cell, surface: &LitSurface, reflect: impl Fn(Vec3) -> Vec3) -> Vec3 {
+        let normal = surface.normal;
         let photons = self.photons_of(cell);
         let stride = (photons.len() as u32).div_ceil(MAX_VISITS).max(1);
         let first = hash(surface.seed ^ cell.hash().0) % stride;

@@ -5,19 +5,18 @@
 //! a focusing object has no end, such as a water surface, a share of the paths goes in all directions, or from a sun to
 //! a wide region around the scene.
 
-use crate::integrator::light_sampling::{cone_direction, subtended_cone};
+use crate::integrator::light_sampling::{cone_direction, face_areas, mesh_radiance, sample_area, subtended_cone};
 use crate::intersect::march::START_OFFSET;
 use crate::intersect::ray::Ray;
 use crate::sampling::alias_table;
 use crate::sampling::basis::basis;
 use crate::scene::leaf::IN_GLASS;
-use crate::scene::light::{BoxLight, LightShape, PointLight, SheetLight, SphereLight, SpotLight, luminance};
+use crate::scene::light::{LightShape, PointLight, SheetLight, SphereLight, SpotLight, luminance};
 use crate::scene::material::FOCUSES;
 use crate::scene::medium::medium_at;
 use crate::scene::{Extent, FrameUniforms, Medium, RenderScene};
 use glam::Vec3;
 use pathmarch_field::Aabb;
-use pathmarch_scene::textures::Spot;
 use pathmarch_scene::{Camera, Scene};
 use std::f32::consts::{PI, TAU};
 
@@ -271,12 +270,6 @@ fn power_towards(shape: &LightShape, target: &Target, extent: &Extent) -> f32 {
     }
 }
 
-/// Area of a face of a box across each axis.
-fn face_areas(light: &BoxLight) -> [f32; 3] {
-    let [a, b, c] = light.axes.map(|axis| 2.0 * axis.length());
-    [b * c, c * a, a * b]
-}
-
 /// Uniform point of a light that has an area, and the area, square metres.
 fn area_point(scene: &RenderScene, shape: &LightShape, [u, v]: [f32; 2]) -> Option<(AreaPoint, f32)> {
     let one_sided = |p, normal, radiance| AreaPoint { p, normal, radiance, is_two_sided: false };
@@ -285,14 +278,9 @@ fn area_point(scene: &RenderScene, shape: &LightShape, [u, v]: [f32; 2]) -> Opti
             let normal = cone_direction(Vec3::Z, 2.0, [u, v]);
             (one_sided(*centre + normal * *radius, normal, *radiance), 4.0 * PI * radius * radius)
         }
-        LightShape::Rect(SheetLight { centre, axes: [x, z], normal, area, radiance, .. }) => {
-            let p = *centre + *x * (2.0 * u - 1.0) + *z * (2.0 * v - 1.0);
-            (one_sided(p, *normal, *radiance), *area)
-        }
-        LightShape::Disc(SheetLight { centre, axes: [x, z], normal, radius, area, radiance, .. }) => {
-            let (sin_phi, cos_phi) = (TAU * v).sin_cos();
-            let p = *centre + (*x * cos_phi + *z * sin_phi) * (radius * u.sqrt());
-            (one_sided(p, *normal, *radiance), *area)
+        LightShape::Rect(SheetLight { radiance, .. }) | LightShape::Disc(SheetLight { radiance, .. }) => {
+            let (p, normal, area) = sample_area(shape, Vec3::ZERO, [u, v]);
+            (one_sided(p, normal, *radiance), area)
         }
         LightShape::Box(light) => {
             let areas = face_areas(light);
@@ -312,10 +300,7 @@ fn area_point(scene: &RenderScene, shape: &LightShape, [u, v]: [f32; 2]) -> Opti
         LightShape::Triangles(triangles) => {
             let mesh = &scene.mesh_lights[triangles.mesh];
             let point = mesh.point([u, v]);
-            let material = scene.leaves[triangles.bounds.leaf as usize].material as usize;
-            let texture = scene.textured_materials[material].emission.as_ref();
-            let spot = Spot { p: Vec3::ZERO, normal: Vec3::Y, footprint: 0.0, attributes: point.attributes };
-            let radiance = texture.map_or(triangles.bounds.radiance, |texture| texture.colour(&spot));
+            let radiance = mesh_radiance(scene, triangles, point.attributes);
             let is_two_sided = !mesh.is_single_sided;
             (AreaPoint { p: point.p, normal: point.normal, radiance, is_two_sided }, triangles.area)
         }

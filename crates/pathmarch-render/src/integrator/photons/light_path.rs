@@ -5,13 +5,13 @@
 //! Simulation", sections 5.2 and 5.3).
 
 use super::emission::Emission;
-use crate::integrator::nested_dielectrics;
+use crate::integrator::nested_dielectrics::refracting_parameters;
 use crate::integrator::participating_media::{medium_after, transmittance_in};
 use crate::intersect::march::march;
 use crate::intersect::ray::{Hit, Ray, RaySegment};
 use crate::sampling::basis::basis;
 use crate::sampling::sobol::{PixelSampler, hash};
-use crate::scene::material::{BOUNDARY, DISPERSES, FOCUSES};
+use crate::scene::material::{BOUNDARY, FOCUSES};
 use crate::scene::photon_map::{MAX_FOCUSING, Photon};
 use crate::scene::{Medium, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
@@ -19,7 +19,6 @@ use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_scene::Sampler;
-use pathmarch_scene::materials::dispersion;
 use rayon::prelude::*;
 
 /// Largest number of boundaries of media that a light path crosses.
@@ -67,17 +66,6 @@ struct LightPath {
     wavelength: Option<f32>,
     /// Number of focusing surfaces so far.
     focusing: u32,
-}
-
-impl LightPath {
-    /// Wavelength; chosen now if it was not before.
-    fn disperse(&mut self) -> f32 {
-        *self.wavelength.get_or_insert_with(|| {
-            let wavelength = dispersion::wavelength(self.sampler.sample_2d(pair::CHOICE)[1]);
-            self.power *= dispersion::colour(wavelength);
-            wavelength
-        })
-    }
 }
 
 /// Photons of the light paths of one sample, in the order of the paths.
@@ -198,14 +186,11 @@ fn follow(
     let textured = TexturedPoint::new(ctx, interaction, path.length);
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.unwrap_or(material.parameters);
-    let (medium, wavelength) = (path.medium, path.wavelength);
-    let refracting = if ctx.config.nested_dielectrics {
-        let disperse = || path.disperse();
-        nested_dielectrics::parameters_at_surface(ctx, &medium, interaction.leaf, &parameters, wavelength, disperse)
-    } else {
-        let at_wavelength = bsdf.at_wavelength.filter(|_| material.has(DISPERSES));
-        at_wavelength.map(|at| at(&parameters, dispersion::index_offset(path.disperse())))
-    };
+    let sampler = path.sampler;
+    let carried = (&mut path.wavelength, &mut path.power);
+    let refracting = refracting_parameters(ctx, &path.medium, interaction.leaf, &parameters, carried, || {
+        sampler.sample_2d(pair::CHOICE)[1]
+    });
     let parameters = refracting.unwrap_or(parameters);
     let incoming = -path.ray.direction;
     let ns = shading_normal(ctx.config, textured.as_ref(), interaction, incoming);

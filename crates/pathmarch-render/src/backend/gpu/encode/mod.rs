@@ -20,12 +20,11 @@ use pathmarch_scene::materials::albedo;
 /// Words of the scene-data buffer, and the offset of each table.
 pub(crate) struct SceneData {
     pub(super) words: Vec<u32>,
-    /// Texels of the environment map, row by row from the zenith, with an unused component, nodes of the light tree, and room for
-    /// photons.
+    /// Texels of the environment map, row by row from the zenith, with an unused component, and nodes of the light tree.
     pub(super) vectors: Vec<[f32; 4]>,
     /// Offset of the nodes among the vectors.
     pub(super) light_tree: usize,
-    /// Offset of the photon map among the vectors.
+    /// Offset of the photon map, which follows the vectors in their buffer.
     pub(super) photons: usize,
     /// Offset of the alias tables of the environment map.
     pub(super) sky: usize,
