@@ -459,6 +459,15 @@ fn hidden_light() {
     snapshot("hidden_light", &warning(&format!("{CAMERA}{text}")));
 }
 
+/// Warnings point at the nodes that the scene has, not at hidden ones before them.
+#[test]
+fn hidden_nodes_have_no_warnings() {
+    let text = "object \"away\" hidden=#true { sphere }\nobject \"near\" { sphere }\n\
+                point hidden=#true { at 9 0 0; intensity 1 }\npoint { at 0 0.5 0; intensity 1 }";
+    let text = format!("{CAMERA}{text}");
+    assert_eq!(warning(&text).span.offset(), text.rfind("point").expect("a light"));
+}
+
 /// A light in clear glass is not hidden.
 #[test]
 fn lights_in_glass_shine() {

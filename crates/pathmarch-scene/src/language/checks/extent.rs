@@ -4,6 +4,7 @@
 //! at 1e20 m would blacken all others. So every position is within [`MAX_METRES`] of the origin and every size above
 //! [`MIN_METRES`]; anything else is a mistake.
 
+use super::visible_nodes;
 use crate::language::diagnostics::report::{Draft, Report, draft, shown};
 use crate::language::tree::{Block, Node};
 use crate::light::Light;
@@ -17,18 +18,16 @@ const MIN_METRES: f32 = 1e-9;
 
 /// Reports whatever is too far away, too large or too small.
 pub(crate) fn check(scene: &Scene, file: &Block, report: &mut Report) {
-    let nodes = |name: &'static str| file.nodes.iter().filter(move |node| node.name.value == name);
-    for (node, camera) in nodes("camera").zip(&scene.cameras) {
+    for (node, camera) in visible_nodes(file, &["camera"]).zip(&scene.cameras) {
         for (what, place) in [("position", camera.position), ("target", camera.target)] {
             check_place(node, &format!("The {what} of the camera {}", shown(&camera.name)), place, report);
         }
     }
     let points = scene.lights.iter().filter_map(Light::position);
-    let lights = file.nodes.iter().filter(|node| matches!(&*node.name.value, "point" | "spot"));
-    for (node, place) in lights.zip(points) {
+    for (node, place) in visible_nodes(file, &["point", "spot"]).zip(points) {
         check_place(node, &format!("This {} light", node.name.value), place, report);
     }
-    // The first shape of each object that is out of range; without mistakes every object node has become an object.
+    // The first shape of each object that is out of range; without mistakes every visible object node has become an object.
     let mut bad = vec![None; scene.objects.len()];
     for leaf in scene.field.leaves() {
         let (scale, place) = (leaf.pose.scale, farthest(leaf.pose.at));
@@ -44,7 +43,7 @@ pub(crate) fn check(scene: &Scene, file: &Block, report: &mut Report) {
         *first = first.take().or(fault);
     }
     let bounds = scene.field.object_bounds().iter();
-    for ((node, object), (bounds, fault)) in nodes("object").zip(&scene.objects).zip(bounds.zip(bad)) {
+    for ((node, object), (bounds, fault)) in visible_nodes(file, &["object"]).zip(&scene.objects).zip(bounds.zip(bad)) {
         if let Some(fault) = fault.or_else(|| out_of_range(bounds)) {
             let mistake = out_of_range_mistake(node, format!("The object {} {fault}.", shown(&object.name)));
             report.add(mistake);

@@ -1,5 +1,6 @@
 //! Warnings about media.
 
+use super::visible_nodes;
 use crate::language::diagnostics::report::{Report, draft, shown};
 use crate::language::keywords::FOG;
 use crate::language::tree::Block;
@@ -34,7 +35,7 @@ fn endless_fog(scene: &Scene, file: &Block, report: &mut Report) {
 /// Warns of objects in which light scatters far more often than paths may.
 fn few_bounces(scene: &Scene, file: &Block, report: &mut Report) {
     let bounces = scene.render.bounces as f32;
-    let nodes = file.nodes.iter().filter(|node| node.name.value == "object");
+    let nodes = visible_nodes(file, &["object"]);
     for ((node, object), bounds) in nodes.zip(&scene.objects).zip(scene.field.object_bounds()) {
         let material = &scene.materials[object.material];
         let medium = material.medium();

@@ -1,6 +1,6 @@
 //! Warnings: what is allowed, but most likely not intended.
 
-use super::media;
+use super::{media, visible_nodes};
 use crate::language::diagnostics::report::{Report, draft, shown};
 use crate::language::keywords::UNIT;
 use crate::language::tree::Block;
@@ -35,8 +35,8 @@ pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
     for leaf in scene.field.leaves() {
         emitting[leaf.object as usize] |= emits(leaf.tag);
     }
-    // Without mistakes every object node has become an object, and every object a part of the field.
-    let objects = file.nodes.iter().filter(|node| node.name.value == "object");
+    // Without mistakes every visible object node has become an object, and every object a part of the field.
+    let objects = visible_nodes(file, &["object"]);
     let bounds = scene.field.object_bounds().iter();
     let endless = objects.zip(bounds.zip(emitting)).filter(|(_, (bounds, emitting))| *emitting && !bounds.is_finite());
     for (node, _) in endless {
@@ -59,11 +59,12 @@ fn lost_light(scene: &Scene, file: &Block, report: &mut Report) {
     if !clear || scene.render.caustics != Caustics::default() {
         return;
     }
-    let nodes = |word: &'static str| file.nodes.iter().filter(move |node| node.name.value == word);
     let suns = scene.lights.iter().filter(|light| matches!(light, Light::Sun { .. }));
-    let parallel = nodes("sun").zip(suns).filter(|(_, light)| matches!(light, Light::Sun { angle: 0.0, .. }));
-    let lights = parallel.map(|(node, _)| (node, "sun")).chain(nodes("point").map(|node| (node, "point light")));
-    let lights = lights.chain(nodes("spot").map(|node| (node, "spot light")));
+    let parallel = visible_nodes(file, &["sun"]).zip(suns);
+    let parallel = parallel.filter(|(_, light)| matches!(light, Light::Sun { angle: 0.0, .. }));
+    let points = visible_nodes(file, &["point"]).map(|node| (node, "point light"));
+    let spots = visible_nodes(file, &["spot"]).map(|node| (node, "spot light"));
+    let lights = parallel.map(|(node, _)| (node, "sun")).chain(points).chain(spots);
     for (node, what) in lights.take(3) {
         let message = format!("Light of this {what} does not pass the clear materials of the scene: it has no size.");
         let warning = draft("pathmarch::lost_light", node.name.span, message).label("no path finds it through glass");
@@ -132,7 +133,7 @@ fn clear_sheets(scene: &Scene, file: &Block, report: &mut Report) {
         clear[leaf.object as usize] |=
             leaf.shape.info().sheet && material.transmits() && !material.dielectric().is_thin;
     }
-    let objects = file.nodes.iter().filter(|node| node.name.value == "object");
+    let objects = visible_nodes(file, &["object"]);
     for (node, _) in objects.zip(clear).filter(|(_, clear)| *clear) {
         let message = "This object is of a clear material and has no inside: light that enters it never leaves.";
         let warning = draft("pathmarch::clear_sheet", node.name.span, message).label("a rect or a disc");
@@ -146,7 +147,7 @@ fn hidden_points(scene: &Scene, file: &Block, report: &mut Report) {
     let leaves = scene.field.leaves();
     let points = scene.lights.iter().filter_map(Light::position);
     // Without mistakes every such node has become a light.
-    let nodes = file.nodes.iter().filter(|node| matches!(&*node.name.value, "point" | "spot"));
+    let nodes = visible_nodes(file, &["point", "spot"]);
     let transparent = transparency(scene);
     for (node, [x, y, z]) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
         if let Some(object) = opaque_object_around(scene, &transparent, [x, y, z]) {
