@@ -52,6 +52,9 @@ pub struct Arguments {
 
 type SizeArgument = [u32; 2];
 
+/// Seed of all frames in motion.
+const MOVING_SEED: u32 = 77;
+
 /// Flight with its scene, settings and references.
 struct Course<'a> {
     flight: &'a Flight,
@@ -80,11 +83,14 @@ impl<'a> Course<'a> {
         Ok(self.animation.at(Moment::of_frame(frame, FPS)).map(Arc::new)?)
     }
 
-    /// Settings of a frame: one sample while moving, one more in each frame at rest.
+    /// Settings of a frame: the next sample of a sequence while moving, one more of a film in each frame at rest.
     fn settings(&self, scene: &Scene, frame: u32) -> Settings {
         let viewpoint = Some(self.flight.camera(scene, frame));
-        let (seed, samples) = (frame.min(MOVING_FRAMES), 1 + frame.saturating_sub(MOVING_FRAMES));
-        Settings { size: self.arguments.size, samples, seed, viewpoint, ..Settings::of(scene) }
+        let (seed, first_sample, samples) = match frame.checked_sub(MOVING_FRAMES) {
+            None => (MOVING_SEED, frame, 1),
+            Some(resting) => (MOVING_FRAMES, 0, 1 + resting),
+        };
+        Settings { size: self.arguments.size, samples, seed, first_sample, viewpoint, ..Settings::of(scene) }
     }
 
     /// Size of the pictures.
@@ -102,7 +108,8 @@ impl<'a> Course<'a> {
         if let Some(path) = path.as_ref().filter(|path| path.exists()) {
             return image::load(path).map(|loaded| loaded.picture).map_err(Failure::other);
         }
-        let many = Settings { samples: *samples, seed: 1000 + frame, size, ..self.settings(scene, frame) };
+        let many =
+            Settings { samples: *samples, first_sample: 0, seed: 1000 + frame, size, ..self.settings(scene, frame) };
         let picture = self.cpu.render(scene, &many).map_err(Failure::other)?.mean();
         if let Some(path) = &path {
             image::save(path, &picture, &Display::default(), &Provenance::default()).map_err(Failure::other)?;

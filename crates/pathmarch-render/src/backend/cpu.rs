@@ -107,14 +107,14 @@ impl CpuJob {
         Self { stats: Some(stats), ..self }
     }
 
-    /// Starts again with the frame of `input`, see [`RenderInput::reframe`].
-    pub(crate) fn reframe(&mut self, input: &RenderInput) {
+    /// Starts again with the frame of `input`, see [`RenderInput::reframe`], from this sample on.
+    pub(crate) fn reframe(&mut self, input: &RenderInput, first_sample: u32) {
         let (width, height) = (input.frame.width, input.frame.height);
         if (width, height) != (self.film.width, self.film.height) {
             self.rect = Rect::of([width, height]);
             self.tiles = tiles(self.rect);
         }
-        self.input.frame = input.frame;
+        (self.input.frame, self.first_sample) = (input.frame, first_sample);
         self.film = Film::new(width, height);
         self.guides = self.guides.as_ref().map(|_| Arc::default());
         self.done = 0;

@@ -52,12 +52,12 @@ impl Tracer {
         }
     }
 
-    /// Starts again with an input of the same scene and kernel; returns false if that needs a new tracer.
-    pub(crate) fn reframe(&mut self, input: &RenderInput) -> Result<bool, RenderError> {
+    /// Starts again with an input of the same scene and kernel, from this sample on; returns false if that needs a new tracer.
+    pub(crate) fn reframe(&mut self, input: &RenderInput, first_sample: u32) -> Result<bool, RenderError> {
         match self {
-            Self::Gpu(job) => job.reframe(&input.frame),
+            Self::Gpu(job) => job.reframe(&input.frame, first_sample),
             Self::Cpu(job) => {
-                job.reframe(input);
+                job.reframe(input, first_sample);
                 Ok(true)
             }
         }

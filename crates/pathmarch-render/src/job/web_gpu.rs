@@ -60,7 +60,7 @@ impl WebGpuJob {
             return Ok(false);
         }
         self.settings = settings.clone();
-        self.job.reframe(&self.input.frame)
+        self.job.reframe(&self.input.frame, settings.first_sample)
     }
 
     /// Submits work of about 10 ms towards `samples` samples, and waits for it.

@@ -23,6 +23,10 @@ shared_constants! {
     const MIN_WEIGHT: f32 = 0.02;
     /// Deviations from the mean of the neighbours that the past may have.
     const REACH: f32 = 1.25;
+    /// Least weight of a new picture of one sample where the picture moves fast: interpolation blurs the past, and its clamp lags.
+    const MOVING_WEIGHT: f32 = 0.4;
+    /// Motion since the last picture at which that weight is reached, pixels of the samples.
+    const FAST_MOTION: f32 = 0.3;
     /// Standard deviation of the filter that interpolates samples, pixels of the picture.
     const KERNEL_DEVIATION: f32 = 0.6;
 }
@@ -134,6 +138,9 @@ impl Upscaling<'_> {
         let mean = sum.xyz() / count;
         let deviation = REACH * (squares.xyz() / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
         let old = colour_of(opponent_of(old).clamp(mean - deviation, mean + deviation)).max(Vec3::ZERO);
+        let moved = |k: usize| position[k] * self.frame.size()[k] as f32 / sampled[k] as f32 - point[k];
+        let speed = (moved(0).hypot(moved(1)) / FAST_MOTION).min(1.0);
+        let new_weight = new_weight.max(MOVING_WEIGHT * speed);
         old.lerp(new, (new_weight * weight).max(MIN_WEIGHT))
     }
 
@@ -220,19 +227,25 @@ impl ShownPicture {
     }
 
     /// Colour at a position, in pixels, by bicubic interpolation: bilinear interpolation, repeated in every picture, blurs.
+    /// It stays between the four nearest colours, or there would be black rings around lamps.
     fn cubic(&self, position: [f32; 2]) -> Vec3 {
         let [width, height] = self.size.map(|side| side as i32);
         let [x, y] = position.map(|coordinate| coordinate - 0.5);
         let [columns, rows] = [x, y].map(|coordinate| catmull_rom(coordinate - coordinate.floor()));
         let mut sum = Vec4::ZERO;
+        let (mut least, mut most) = (Vec4::splat(f32::MAX), Vec4::splat(-f32::MAX));
         for (j, row) in rows.into_iter().enumerate() {
             let start = (y.floor() as i32 - 1 + j as i32).clamp(0, height - 1) * width;
             for (i, column) in columns.into_iter().enumerate() {
                 let place = start + (x.floor() as i32 - 1 + i as i32).clamp(0, width - 1);
-                sum += self.colours[place as usize] * (row * column);
+                let colour = self.colours[place as usize];
+                sum += colour * (row * column);
+                if (1..=2).contains(&i) && (1..=2).contains(&j) {
+                    (least, most) = (least.min(colour), most.max(colour));
+                }
             }
         }
-        sum.xyz()
+        sum.clamp(least, most).xyz()
     }
 }
 
@@ -254,6 +267,15 @@ mod tests {
             let position: f32 = weights.iter().zip([-1.0, 0.0, 1.0, 2.0]).map(|(weight, at)| weight * at).sum();
             assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6 && (position - t).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn the_past_has_no_dark_rings_around_lamps() {
+        let colours = (0..64).map(|k| Vec4::splat(if k % 8 < 4 { 0.2 } else { 12.0 })).collect();
+        let picture = ShownPicture { size: [8, 8], colours };
+        let row: Vec<f32> = (8..56).map(|k| picture.cubic([k as f32 / 8.0, 4.3]).x).collect();
+        assert!(row.iter().all(|value| (0.2..=12.0).contains(value)), "{row:?}");
+        assert!(row.is_sorted(), "{row:?}");
     }
 
     #[test]

@@ -58,11 +58,19 @@ fn past_colour(position: vec2f) -> vec3f {
     let columns = catmull_rom(part.x);
     let rows = catmull_rom(part.y);
     var sum = vec3f(0.0);
+    // Between the four nearest colours.
+    var least = vec3f(1e38);
+    var most = vec3f(-1e38);
     for (var k = 0; k < 16; k++) {
         let place = clamp(vec2i(corner) + vec2i(k % 4 - 1, k / 4 - 1), vec2i(0), size - 1);
-        sum += past_colours[place.y * size.x + place.x].xyz * (columns[k % 4] * rows[k / 4]);
+        let colour = past_colours[place.y * size.x + place.x].xyz;
+        sum += colour * (columns[k % 4] * rows[k / 4]);
+        if (k % 4 == 1 || k % 4 == 2) && (k / 4 == 1 || k / 4 == 2) {
+            least = min(least, colour);
+            most = max(most, colour);
+        }
     }
-    return sum;
+    return clamp(sum, least, most);
 }
 
 /// Averages samples with the last picture.
@@ -137,5 +145,7 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     let deviation = REACH * sqrt(max(squares / count - mean * mean, vec3f(0.0)));
     let limited = clamp(opponent_of(past_colour(place * past_shown / past_traced)), mean - deviation, mean + deviation);
     let old = max(colour_of(limited), vec3f(0.0));
-    colours[pixel] = vec4f(mix(old, colour, max(uniforms.new_weight * largest, MIN_WEIGHT)), 0.0);
+    let speed = min(length(place * traced / past_traced - point) / FAST_MOTION, 1.0);
+    let new_weight = max(uniforms.new_weight, MOVING_WEIGHT * speed);
+    colours[pixel] = vec4f(mix(old, colour, max(new_weight * largest, MIN_WEIGHT)), 0.0);
 }

@@ -6,8 +6,8 @@ use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
 use super::motion::{Motion, Poses};
 use super::temporal::{History, PixelMean, Samples};
 use super::{
-    Buffer, Changes, FULL_MOTION, MAX_HISTORY, PassTime, PixelHistory, ReconstructOptions, luminance, motions,
-    settled_weight, settles, spatial,
+    BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
+    film_variance, luminance, motions, settled_weight, settles, spatial,
 };
 use crate::integrator::guides::Guide;
 use crate::scene::{FrameUniforms, RenderScene};
@@ -156,11 +156,45 @@ impl CpuReconstruction {
     }
 }
 
-/// Mixes a picture with the means of its film, each pixel by the noise of the film.
+/// Squared difference between a picture and the means of its film in luminance of the irradiance, and the variance of these
+/// means.
+fn film_differences(film: &FilmView, shown: &ShownPicture) -> Vec<[f32; 2]> {
+    let difference = |index: usize| {
+        let guide = &film.guides[index];
+        let irradiance = luminance(film.means[index] / guide.divisor());
+        let difference = irradiance - luminance(shown.colours[index].xyz() / guide.divisor());
+        [difference * difference, film_variance(guide, irradiance, film.samples as f32)]
+    };
+    (0..film.means.len()).into_par_iter().with_min_len(4096).map(difference).collect()
+}
+
+/// Weight of the film in a pixel from its difference to the picture around it: what the noise of the film does not explain
+/// is an error of the picture (James and Stein 1961).
+fn unbiased_weight(size: [u32; 2], differences: &[[f32; 2]], index: usize) -> f32 {
+    let [width, height] = size.map(|side| side as i32);
+    let (x, y) = (index as i32 % width, index as i32 / width);
+    let (mut square, mut variance, mut count) = (0.0, 0.0, 0.0);
+    for row in (y - BIAS_RADIUS).max(0)..=(y + BIAS_RADIUS).min(height - 1) {
+        for column in (x - BIAS_RADIUS).max(0)..=(x + BIAS_RADIUS).min(width - 1) {
+            let [there, of_film] = differences[(row * width + column) as usize];
+            (square, variance, count) = (square + there, variance + of_film, count + 1.0);
+        }
+    }
+    // A speck is its own noise, whatever is around it.
+    let variance = f32::max(variance, OWN_VARIANCE * count * differences[index][1]);
+    (1.0 - variance / f32::max(square, 1e-12)).max(0.0)
+}
+
+/// Mixes a picture with the means of its film, each pixel by the noise of the film and the error of the picture.
 fn mixed_with_film(film: &FilmView, shown: &ShownPicture) -> Vec<Vec3> {
+    let differences = film_differences(film, shown);
     let mixed = |index: usize| {
         let (mean, guide) = (film.means[index], &film.guides[index]);
         let settled = settled_weight(guide, luminance(mean / guide.divisor()), film.samples as f32);
+        let settled = match guide.is_mixed {
+            true => settled,
+            false => settled.max(unbiased_weight(film.frame.size(), &differences, index)),
+        };
         // Pixels of several surfaces are not filtered; their noise ends where no colour around them is.
         let settling = if guide.is_mixed { shown.limited(index, mean) } else { mean };
         shown.colours[index].xyz().lerp(settling, settled).lerp(mean, film.weight)
@@ -177,4 +211,21 @@ fn motion_code([dx, dy, is_known]: [f32; 3]) -> [f32; 3] {
 fn deviation_code(&PixelMean { moments: [mean, square], length, .. }: &PixelMean) -> [f32; 3] {
     let variance = (square - mean * mean).max(0.0) / length;
     [variance.sqrt() / mean.max(1e-6); 3]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_film_counts_where_its_noise_does_not_explain_the_difference() {
+        let weight = |differences: &[[f32; 2]]| unbiased_weight([5, 5], differences, 12);
+        // As large as the noise of the film, and ten times as large.
+        assert_eq!(weight(&[[0.04, 0.04]; 25]), 0.0);
+        assert!((weight(&[[0.4, 0.04]; 25]) - 0.9).abs() < 1e-6);
+        // A speck with much noise of its own stays hidden.
+        let mut speck = [[0.4, 0.04]; 25];
+        speck[12] = [10.0, 40.0];
+        assert_eq!(weight(&speck), 0.0);
+    }
 }

@@ -93,6 +93,7 @@ struct Passes {
     smooth_variance: wgpu::ComputePipeline,
     filter: [wgpu::ComputePipeline; STEPS.len()],
     antialias: wgpu::ComputePipeline,
+    compare_with_film: wgpu::ComputePipeline,
     mix_with_film: wgpu::ComputePipeline,
     show: wgpu::ComputePipeline,
 }
@@ -130,6 +131,7 @@ impl Passes {
             smooth_variance: pipeline(&spatial, "smooth_variance", &[]),
             filter: STEPS.map(|step| pipeline(&spatial, "filter_once", &[("STEP", f64::from(step))])),
             antialias: pipeline(&module("reconstruct/antialiasing"), "antialias", &[]),
+            compare_with_film: pipeline(&show, "compare_with_film", &[]),
             mix_with_film: pipeline(&show, "mix_with_film", &[]),
             show: pipeline(&show, "show", &[]),
         };
@@ -468,7 +470,10 @@ impl GpuReconstruction {
             source = 1 - source;
         }
         run("anti-aliasing", &passes.antialias, &[0, 2, 3, 4, 7, 9, 10], source, size);
-        run("mix with the film", &passes.mix_with_film, &[0, 1, 2, 7, 10], 0, size);
+        if settles(film.samples) && traced == size {
+            run("mix with the film", &passes.compare_with_film, &[0, 1, 2, 8, 10], 0, size);
+        }
+        run("mix with the film", &passes.mix_with_film, &[0, 1, 2, 7, 8, 10], 0, size);
         run("display", &passes.show, &[0, 5, 7, 11], 0, size);
         let bytes = SCREEN_BYTES * u64::from(size[0]) * u64::from(size[1]);
         encoder.copy_buffer_to_buffer(&buffers.screen, 0, &buffers.copy, 0, bytes);

@@ -43,6 +43,10 @@ shared_constants! {
     const SETTLING_SAMPLES: f32 = 32.0;
     /// Relative standard error of a still film that is hidden by reconstruction.
     const VISIBLE_NOISE: f32 = 0.1;
+    /// Half the side of the square in which the errors of picture and film are compared, pixels.
+    const BIAS_RADIUS: i32 = 2;
+    /// Least variance of a pixel of the film, in its own variance.
+    const OWN_VARIANCE: f32 = 0.5;
     /// Longest history of an unchanged scene, samples.
     const MAX_HISTORY: f32 = 24.0;
     /// Pixels of motion at which its colour is full.
@@ -283,10 +287,15 @@ pub(crate) fn upscaled_size(traced: [u32; 2], full: [u32; 2]) -> [u32; 2] {
     std::array::from_fn(|k| (2 * traced[k]).min(full[k]).max(traced[k]))
 }
 
+/// Variance of a mean of `samples` samples in a pixel with this mean luminance of the irradiance.
+fn film_variance(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
+    (guide.square - irradiance * irradiance).max(0.0) / samples
+}
+
 /// Weight of a film of `samples` samples in a pixel with this mean luminance of the irradiance, from its own noise: near 1
 /// once that cannot be seen. Nothing but the film shows edges as they are.
 fn settled_weight(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
-    let variance = (guide.square - irradiance * irradiance).max(0.0) / samples;
+    let variance = film_variance(guide, irradiance, samples);
     let visible = variance.sqrt() / (VISIBLE_NOISE * irradiance.max(1e-4));
     let clean = (1.0 - visible).max(0.0);
     let settled = if guide.is_mixed { 1.0 } else { clean * clean };

@@ -61,7 +61,8 @@ impl Sequence {
 
     /// Next picture: path-traced with the samples and the seed of the settings, then reconstructed.
     ///
-    /// Give every picture of a moving scene another seed. The same [`Arc`] as before counts as an unchanged scene. With more
+    /// Give every picture of a moving scene another [`first_sample`](Settings::first_sample) in order, and all of them one
+    /// seed: then their samples complement each other. The same [`Arc`] as before counts as an unchanged scene. With more
     /// samples and otherwise unchanged settings, the samples that are there already are kept.
     ///
     /// # Errors

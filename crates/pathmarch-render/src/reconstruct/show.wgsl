@@ -1,7 +1,45 @@
 // import: reconstruct/pass
 // The picture or a buffer as sRGB codes, four bytes a pixel. Twin of `CpuReconstruction::buffer`.
 
-/// Mixes the picture with the means of its film, each pixel by the noise of the film. Twin of `mixed_with_film`.
+/// Squared difference between the picture and the means of its film, and the variance of these means. Twin of
+/// `film_differences`.
+@compute @workgroup_size(8, 8)
+fn compare_with_film(@builtin(global_invocation_id) id: vec3u) {
+    let size = vec2u(uniforms.shown_width, uniforms.shown_height);
+    if any(id.xy >= size) {
+        return;
+    }
+    let pixel = id.y * size.x + id.x;
+    let guide = guide_at(pixel);
+    let irradiance = luminance(film_mean(id.xy, pixel) / divisor(guide));
+    let difference = irradiance - luminance(colours[pixel].xyz / divisor(guide));
+    next_estimates[pixel] = vec4f(difference * difference, film_variance(guide, irradiance), 0.0, 0.0);
+}
+
+/// Variance of the mean of a pixel of the film.
+fn film_variance(guide: Guide, irradiance: f32) -> f32 {
+    return max(guide.square - irradiance * irradiance, 0.0) / f32(uniforms.samples);
+}
+
+/// Weight of the film from its difference to the picture around a pixel. Twin of the function in cpu.rs.
+fn unbiased_weight(position: vec2i) -> f32 {
+    var sum = vec2f(0.0);
+    var count = 0.0;
+    for (var y = -BIAS_RADIUS; y <= BIAS_RADIUS; y++) {
+        for (var x = -BIAS_RADIUS; x <= BIAS_RADIUS; x++) {
+            let place = position + vec2i(x, y);
+            if is_inside(place) {
+                sum += next_estimates[pixel_index(place)].xy;
+                count += 1.0;
+            }
+        }
+    }
+    let variance = max(sum.y, OWN_VARIANCE * count * next_estimates[pixel_index(position)].y);
+    return max(1.0 - variance / max(sum.x, 1e-12), 0.0);
+}
+
+/// Mixes the picture with the means of its film, each pixel by the noise of the film and the error of the picture. Twin of
+/// `mixed_with_film`.
 @compute @workgroup_size(8, 8)
 fn mix_with_film(@builtin(global_invocation_id) id: vec3u) {
     let size = vec2u(uniforms.shown_width, uniforms.shown_height);
@@ -17,14 +55,15 @@ fn mix_with_film(@builtin(global_invocation_id) id: vec3u) {
     let mean = film_mean(id.xy, pixel);
     let samples = f32(uniforms.samples);
     let irradiance = luminance(mean / divisor(guide));
-    let variance = max(guide.square - irradiance * irradiance, 0.0) / samples;
-    let visible = sqrt(variance) / (VISIBLE_NOISE * max(irradiance, 1e-4));
+    let visible = sqrt(film_variance(guide, irradiance)) / (VISIBLE_NOISE * max(irradiance, 1e-4));
     let clean = max(1.0 - visible, 0.0);
-    let settled = select(clean * clean, 1.0, guide.is_mixed) * min(samples / SETTLING_SAMPLES, 1.0);
+    var settled = select(clean * clean, 1.0, guide.is_mixed) * min(samples / SETTLING_SAMPLES, 1.0);
     // Pixels of several surfaces are not filtered; their noise ends where no colour around them is.
     var settling = mean;
     if guide.is_mixed {
         settling = limited(vec2i(id.xy), mean);
+    } else {
+        settled = max(settled, unbiased_weight(vec2i(id.xy)));
     }
     let colour = mix(mix(colours[pixel].xyz, settling, settled), mean, uniforms.weight);
     estimates[pixel] = vec4f(colour, 0.0);

@@ -18,12 +18,12 @@ shared_constants! {
     /// Half the side of the square in which the variance of a young history is estimated, pixels.
     const VARIANCE_RADIUS: i32 = 2;
     /// Difference of luminance, in standard deviations, at which the weight ends.
-    const LUMINANCE_REACH: f32 = 4.0;
+    const LUMINANCE_REACH: f32 = 3.0;
     /// Distance from a plane, in sides of a pixel for each pixel between the taps, at which the weight ends.
     const PLANE_REACH: f32 = 1.0;
     /// Luminance above the mean of the neighbours, in such means, from which on a single sample is a firefly. The mean of
     /// several samples is one from that divided by the root of their number on.
-    const FIREFLY: f32 = 5.0;
+    const FIREFLY: f32 = 3.0;
     /// Half the side of the square that takes the energy of a firefly, pixels.
     const FIREFLY_RADIUS: i32 = 2;
     /// Half the side of the square that decides which luminance is plausible, pixels.
@@ -410,7 +410,8 @@ pub(super) fn spread_fireflies(size: [u32; 2], guides: &[Guide], samples: f32, i
     let luminances = Planes::new(grid, [-1.0], |index| [luminance(irradiance[index])]);
     let shares = |centre: usize, index: &usize| {
         let (a, b) = (&guides[centre], &guides[*index]);
-        a.class == b.class && a.object == b.object && a.seen_normal.dot(b.seen_normal) > 0.7
+        let is_glass = a.class == GuideClass::Glass;
+        a.class == b.class && a.object == b.object && (is_glass || a.seen_normal.dot(b.seen_normal) > 0.7)
     };
     let excess = |x: i32, y: i32| -> Option<(usize, Vec3)> {
         let centre = (y * grid.width + x) as usize;
@@ -458,7 +459,7 @@ mod tests {
         spread_fireflies([7, 7], &guides, 1.0, &mut irradiance);
         let after: Vec3 = irradiance.iter().sum();
         assert!((sum - after).abs().max_element() < 1e-3, "{sum} {after}");
-        assert!(luminance(irradiance[24]) < 3.1 && irradiance[0] == Vec3::splat(0.5), "{}", irradiance[24]);
+        assert!(luminance(irradiance[24]) < 2.1 && irradiance[0] == Vec3::splat(0.5), "{}", irradiance[24]);
         assert!(irradiance[23].x > 1.0);
     }
 

@@ -33,7 +33,9 @@ fn similarity(a: Guide, b: Guide, distance: f32) -> f32 {
 
 /// True if a firefly of guide `a` may give light to a pixel of guide `b`.
 fn shares_fireflies(a: Guide, b: Guide) -> bool {
-    return a.guide_class == b.guide_class && a.object == b.object && dot(a.seen_normal, b.seen_normal) > 0.7;
+    let is_glass = a.guide_class == GUIDE_GLASS;
+    return a.guide_class == b.guide_class && a.object == b.object
+        && (is_glass || dot(a.seen_normal, b.seen_normal) > 0.7);
 }
 
 /// Finds samples that are far above their neighbours: what is above, for each taker.

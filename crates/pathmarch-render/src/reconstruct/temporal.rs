@@ -98,7 +98,7 @@ shared_constants! {
     /// Least cosine between the normal and the ray by which the tolerance within the plane is divided.
     const MIN_GRAZING_COSINE: f32 = 0.05;
     /// Longest history of a surface that looks different from other directions, while the camera moves, samples.
-    const MAX_GLOSSY_HISTORY: f32 = 5.0;
+    const MAX_GLOSSY_HISTORY: f32 = 3.0;
     /// Least cosine between normals of one surface.
     const MIN_NORMAL_COSINE: f32 = 0.8;
 }

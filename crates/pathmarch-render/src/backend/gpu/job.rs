@@ -310,7 +310,7 @@ impl GpuJob {
     }
 
     /// Starts again with another frame of the same scene. Returns false if the film's buffer is too small.
-    pub(crate) fn reframe(&mut self, frame: &FrameUniforms) -> Result<bool, RenderError> {
+    pub(crate) fn reframe(&mut self, frame: &FrameUniforms, first_sample: u32) -> Result<bool, RenderError> {
         let size = frame.size();
         if film_bytes(size) > self.film.size() {
             return Ok(false);
@@ -325,7 +325,7 @@ impl GpuJob {
         self.size = size;
         (self.rect, self.active, self.current) = (Rect::of(size), vec![Rect::of(size)], 0);
         self.bounces = self.bounces.map(|_| frame.bounces);
-        self.submitted = Progress::default();
+        (self.submitted, self.first_sample) = (Progress::default(), first_sample);
         self.device.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         let mut encoder =
             self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("clear") });

@@ -38,6 +38,10 @@ pub(super) struct Engine {
     next: Option<(u64, RenderRequest)>,
     input: Option<RenderInput>,
     tracer: Option<Tracer>,
+    /// First sample of the picture being rendered.
+    first_sample: u32,
+    /// Next sample of reconstructed pictures in motion: those of successive pictures complement each other.
+    next_moving_sample: u32,
     /// Size of the picture being rendered, pixels.
     level: [u32; 2],
     gpu_pace: Pace,
@@ -69,6 +73,8 @@ impl Engine {
             next: None,
             input: None,
             tracer: None,
+            first_sample: 0,
+            next_moving_sample: 0,
             level: [0; 2],
             gpu_pace: Pace::default(),
             cpu_pace: Pace::default(),

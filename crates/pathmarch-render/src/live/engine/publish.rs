@@ -66,9 +66,9 @@ impl Engine {
         if film.samples == 0 {
             return Err("no sample of the picture is done yet".to_owned());
         }
-        // A moving picture has a seed of its own.
+        // A moving picture has a seed and samples of its own.
         let seed = self.input.as_ref().map_or(request.settings.seed, |input| input.frame.seed);
-        let settings = Settings { samples: film.samples, seed, ..request.settings };
+        let settings = Settings { samples: film.samples, seed, first_sample: self.first_sample, ..request.settings };
         Ok((film, settings))
     }
 

@@ -126,9 +126,9 @@ impl Engine {
     fn level_settings(&self, request: &RenderRequest) -> Settings {
         let mut settings = Settings { size: self.level, ..request.settings.clone() };
         if request.moving && is_reconstructed(request) {
-            // Pictures that are averaged need random numbers of their own.
-            let picture = self.request.as_ref().map_or(0, |(number, _)| *number as u32);
-            settings.seed = settings.seed.wrapping_add(picture.wrapping_mul(0x9e37_79b9));
+            // Pictures that are averaged need random numbers of their own, also beside the one at rest that follows.
+            settings.seed = settings.seed.wrapping_add(0x9e37_79b9);
+            settings.first_sample = self.next_moving_sample;
         }
         settings
     }
@@ -158,6 +158,8 @@ impl Engine {
 
     /// Starts the picture of the present level.
     pub(super) fn start_level(&mut self) -> Result<(), RenderError> {
+        let begun = self.tracer.as_ref().map_or(1.0, |tracer| tracer.samples_done().ceil().max(1.0));
+        self.next_moving_sample = self.next_moving_sample.wrapping_add(begun as u32);
         let Some((_, request)) = &self.request else { return Ok(()) };
         let settings = self.level_settings(request);
         let Some(input) = &mut self.input else { return Ok(()) };
@@ -166,11 +168,12 @@ impl Engine {
             self.tracer = None;
         }
         let reframed = match &mut self.tracer {
-            Some(tracer) => tracer.reframe(input)?,
+            Some(tracer) => tracer.reframe(input, settings.first_sample)?,
             None => false,
         };
+        let first = settings.first_sample;
+        self.first_sample = first;
         if !reframed && let Some(input) = &self.input {
-            let first = settings.first_sample;
             let cpu = || Tracer::Cpu(Box::new(CpuJob::new(input.clone(), first)));
             let tracer = match self.gpu.tracer(input, first) {
                 Some(Err(error @ RenderError::TooLarge { .. })) => {
