@@ -50,13 +50,6 @@ impl Grid {
         ((0..self.width).contains(&x) && (0..self.height).contains(&y)).then(|| (y * self.width + x) as usize)
     }
 
-    /// Values of a function of all pixels (x, y).
-    fn map<T: Send>(self, value: impl Fn(i32, i32) -> T + Sync) -> Vec<T> {
-        let value = &value;
-        let row = |y: i32| (0..self.width).map(move |x| value(x, y));
-        (0..self.height).into_par_iter().with_min_len(8).flat_map_iter(row).collect()
-    }
-
     /// Pixels of the square around a pixel, without itself.
     fn around(self, x: i32, y: i32, radius: i32) -> impl Iterator<Item = usize> {
         square_around(radius).filter_map(move |(dx, dy)| self.index(x + dx, y + dy))
@@ -372,25 +365,30 @@ fn first_estimates(grid: Grid, history: &History, surfaces: &SurfacePlanes) -> E
 /// Least and largest luminance that the mean of each pixel may have, judged from the samples around it.
 pub(super) fn plausible_luminances(size: [u32; 2], irradiance: &[Vec3]) -> Vec<[f32; 2]> {
     let grid = Grid::new(size);
-    let moments: Vec<[f32; 3]> = irradiance
-        .par_iter()
-        .map(|colour| luminance(*colour))
-        .map(|luminance| [luminance, luminance * luminance, 1.0])
-        .collect();
-    // Sums over squares are sums over rows of sums over columns.
-    let sums = |moments: &[[f32; 3]], dx: i32, dy: i32| {
-        grid.map(|x, y| {
-            let places = -PLAUSIBLE_RADIUS..=PLAUSIBLE_RADIUS;
-            let around = places.filter_map(|k| grid.index(x + k * dx, y + k * dy));
-            around.fold([0.0; 3], |sum: [f32; 3], index| std::array::from_fn(|k| sum[k] + moments[index][k]))
-        })
+    let moments = Planes::new(grid, [0.0; 3], |index| {
+        let luminance = luminance(irradiance[index]);
+        [luminance, luminance * luminance, 1.0]
+    });
+    // Sums over squares are sums over columns of sums over rows.
+    let sums = |moments: &Planes<3>, place: Place, [dx, dy]: [i32; 2]| {
+        let mut sums = [f32x8::ZERO; 3];
+        for k in -PLAUSIBLE_RADIUS..=PLAUSIBLE_RADIUS {
+            let Some(there) = place.moved(grid, k * dx, k * dy) else { continue };
+            for (sum, moment) in sums.iter_mut().zip(moments.lanes(there)) {
+                *sum += moment;
+            }
+        }
+        sums
     };
-    let limits = |[sum, squares, count]: [f32; 3]| {
+    let rows = Planes::of_eight(grid, |place| sums(&moments, place, [1, 0]));
+    let limits = Planes::<2>::of_eight(grid, |place| {
+        let [sum, squares, count] = sums(&rows, place, [0, 1]);
         let mean = sum / count;
-        let reach = PLAUSIBLE_REACH * (squares / count - mean * mean).max(0.0).sqrt();
-        [(mean - reach).max(0.0), mean + reach]
-    };
-    sums(&sums(&moments, 1, 0), 0, 1).into_iter().map(limits).collect()
+        let reach = (squares / count - mean * mean).max(f32x8::ZERO).sqrt() * PLAUSIBLE_REACH;
+        [(mean - reach).max(f32x8::ZERO), mean + reach]
+    });
+    let pairs = |row: usize| limits.row(grid, 0, row).iter().zip(limits.row(grid, 1, row));
+    (0..grid.height as usize).flat_map(|row| pairs(row).map(|(&least, &most)| [least, most])).collect()
 }
 
 /// Columns of those of eight pixels that are brighter than all next to them.
