@@ -80,6 +80,10 @@ pub static EXAMPLES: &[Example] = examples! {
     "" "cornell" "jpg" "The box that every path tracer renders.";
     "" "depth-of-field" "jpg" "A lens: what is near and far blurs.";
     "" "many-lights" "jpg" "Sixty-four lamps.";
+    "" "ballroom" "jpg" "A room of two hundred lamps.";
+    "" "bear" "jpg" "A toy bear on a turntable.";
+    "" "bracket" "jpg" "A part for printing, in millimetres.";
+    "" "bottle" "jpg" "A product shot with a logo.";
     "" "environment" "jpg" "Lit by a picture of the sky.";
     "" "ten-lines" "png" "A whole scene in ten lines of text.";
     "thesis/" "orbit-traps" "jpg" "Three fractals, three orbit traps.";

@@ -137,6 +137,7 @@ fn setting(setting: &Setting) -> Value {
 fn kind(kind: &SettingKind) -> (&'static str, Value) {
     match *kind {
         SettingKind::Number { default, .. } => ("number", json!({"default": default.map(decimal)})),
+        SettingKind::NumberOrAuto { default, .. } => ("number", json!({"default": decimal(default)})),
         SettingKind::Whole { default, .. } => ("whole", json!({"default": default})),
         SettingKind::Size { default, .. } => ("size", json!({"default": [default.0, default.1]})),
         SettingKind::Triple { default } => ("triple", json!({"default": default.map(decimal)})),

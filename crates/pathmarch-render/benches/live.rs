@@ -24,6 +24,7 @@ fn request(scene: &Arc<Scene>, samples: u32, size: [u32; 2]) -> RenderRequest {
         scene: scene.clone(),
         settings: Settings { size, samples, ..Settings::of(scene) },
         display: Display::default(),
+        auto_exposure: false,
         moving: false,
         frame_time: FRAME_TIME,
         reconstruct: Some(Default::default()),

@@ -122,6 +122,11 @@ impl Mode {
         }
     }
 
+    /// True if its pictures are radiance, which an exposure applies to.
+    pub fn has_exposure(self) -> bool {
+        matches!(self, Self::Path | Self::Preview)
+    }
+
     /// Picture of a film of this mode, linear Rec. 709.
     pub fn picture(self, film: &Film) -> Picture {
         if self != Self::Variance {

@@ -1,6 +1,7 @@
 //! Live pictures: first picture, refinement, rest, changes of the scene, and loss of the device.
 
 use crate::common::{for_each_backend, parse, with_gpu};
+use pathmarch_render::exposure::suitable_stops;
 use pathmarch_render::live::{Live, LiveImage, RenderRequest, Status};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::reconstruct::ReconstructOptions;
@@ -26,6 +27,7 @@ fn request(scene: &Arc<Scene>, size: [u32; 2], samples: u32) -> RenderRequest {
         scene: scene.clone(),
         settings: Settings { size, samples, ..Settings::of(scene) },
         display: Display::default(),
+        auto_exposure: false,
         moving: false,
         frame_time: Duration::from_millis(30),
         reconstruct: Some(ReconstructOptions::default()),
@@ -84,6 +86,31 @@ fn the_picture_equals_that_of_render_and_then_rests(backend: Backend) {
     let bright = until(&live, "another exposure", |shown, _| shown.request == number);
     let sum = |shown: &LiveImage| shown.codes.iter().map(|&code| u64::from(code)).sum::<u64>();
     assert!(bright.samples == 16.0 && sum(&bright) > sum(&shown));
+}
+
+fn an_automatic_exposure_is_that_of_the_film_at_rest(backend: Backend) {
+    let scene = scene();
+    let fixed = request(&scene, [96, 54], 12);
+    let mut live = Live::new(backend, None, || {});
+    for (reconstruct, serial) in [(fixed.reconstruct, 0), (None, 1)] {
+        let request = RenderRequest { auto_exposure: true, reconstruct, ..fixed.clone() };
+        let number = live.show(request.clone());
+        let shown = until(&live, "the whole picture", |shown, status| {
+            shown.request == number && shown.samples == 12.0 && status.resting && (serial == 0 || shown.serial > serial)
+        });
+        let (film, _) = live.film().recv().expect("an answer").expect("a film");
+        let stops = suitable_stops(&film).expect("light");
+        assert!(stops != 0.0 && shown.exposure_stops == stops, "{backend:?}: {} for {stops}", shown.exposure_stops);
+        let display = Display { exposure_stops: stops, ..request.display };
+        for (pixel, codes) in film.mean().pixels.iter().zip(shown.codes.chunks(4)) {
+            let expected = display.encode_8bit(*pixel);
+            assert!((0..3).all(|channel| expected[channel].abs_diff(codes[channel]) <= 1), "{codes:?} {expected:?}");
+        }
+    }
+    // Without it, the same film is shown with the exposure of the request.
+    let number = live.show(RenderRequest { reconstruct: None, ..fixed.clone() });
+    let shown = until(&live, "the exposure of the request", |shown, _| shown.request == number);
+    assert_eq!((shown.exposure_stops, shown.samples), (0.0, 12.0));
 }
 
 fn a_moving_picture_is_small_and_grows_when_it_rests(backend: Backend) {
@@ -215,6 +242,7 @@ tests! {
     plain: [an_invalid_request_is_reported_and_the_next_one_renders],
     for_each_backend: [
         the_picture_equals_that_of_render_and_then_rests,
+        an_automatic_exposure_is_that_of_the_film_at_rest,
         a_moving_picture_is_small_and_grows_when_it_rests,
         requests_faster_than_pictures_still_show_some,
         a_changed_scene_is_shown,

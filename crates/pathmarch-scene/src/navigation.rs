@@ -117,6 +117,7 @@ mod tests {
             lens_radius: 0.0,
             focus: None,
             exposure: 0.0,
+            auto_exposure: false,
         }
     }
 

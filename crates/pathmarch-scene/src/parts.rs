@@ -57,6 +57,7 @@ pub fn camera(position: [f32; 3], target: [f32; 3]) -> Camera {
         lens_radius: 0.0,
         focus: None,
         exposure: 0.0,
+        auto_exposure: false,
     }
 }
 

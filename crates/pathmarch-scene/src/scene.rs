@@ -102,6 +102,8 @@ pub struct Camera {
     pub focus: Option<f32>,
     /// Exposure for display, stops (EV); never applied to radiance.
     pub exposure: f32,
+    /// True if the exposure is the one that suits the picture, instead of `exposure`.
+    pub auto_exposure: bool,
 }
 
 /// A named solid.

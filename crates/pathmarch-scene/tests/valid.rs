@@ -94,7 +94,7 @@ fn settings() {
     let scene = parse(
         "pathmarch 1
         camera wide { position 0 6 0; target 0 1 0; up 0 0 -3; fov 90; lens radius=0.1 focus=6; exposure -1.5 }
-        camera \"two words\" { position 1 2 3; target 0 0 0 }
+        camera \"two words\" { position 1 2 3; target 0 0 0; exposure \"auto\" }
         render { size 64 32; samples 1; bounces 0; tonemap srgb }
         sky \"#fff\"
         sun { direction 0 2 0; irradiance 3; angle 0 }
@@ -104,6 +104,7 @@ fn settings() {
     assert_eq!((wide.up, wide.fov, wide.exposure), ([0.0, 0.0, -1.0], 90.0, -1.5));
     assert_eq!((wide.lens_radius, wide.focus), (0.1, Some(6.0)));
     assert_eq!(scene.cameras[1].name, "two words");
+    assert_eq!((wide.auto_exposure, scene.cameras[1].auto_exposure, scene.cameras[1].exposure), (false, true, 0.0));
     assert_eq!((scene.render.size, scene.render.samples, scene.render.bounces), ((64, 32), 1, 0));
     assert_eq!(scene.render.tonemap, Tonemap::Srgb);
     assert_eq!(scene.sky, Sky::Constant([1.0; 3]));

@@ -135,7 +135,8 @@ export class Renderer {
     if (!this.#scene) return;
     this.#frame?.picture.free();
     const size = mode === "preview" ? this.#previewSize() : this.#size;
-    const exposure = JSON.parse(this.#camera).exposure;
+    const camera = JSON.parse(this.#camera);
+    const exposure = camera.auto_exposure ? undefined : camera.exposure;
     this.#frame = {
       mode, size, version: this.#version, sceneVersion: this.#sceneVersion, sample: 0, row: 0, done: 0, isDone: false,
       began: performance.now(),

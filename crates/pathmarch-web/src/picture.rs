@@ -1,5 +1,6 @@
 //! Picture that the page adds samples to.
 
+use pathmarch_render::exposure::suitable_stops_of;
 use pathmarch_render::image::{self, ImageFormat, Provenance};
 use pathmarch_render::pathmarch_scene::Tonemap;
 use pathmarch_render::tonemap::Display;
@@ -15,24 +16,32 @@ pub struct Picture {
     /// Number of samples of each row.
     samples: Vec<u32>,
     display: Display,
+    /// True if the exposure is the one that suits the picture.
+    auto_exposure: bool,
     provenance: Provenance,
 }
 
 #[wasm_bindgen]
 impl Picture {
-    /// Black picture. `tonemap` is a name of the scene language, `exposure` in stops; views have the curve `srgb` and no
-    /// exposure.
+    /// Black picture. `tonemap` is a name of the scene language, `exposure` in stops, or absent for the one that suits the
+    /// picture; views have the curve `srgb` and no exposure.
     ///
     /// # Errors
     /// If there is no such tone curve, or a side is 0.
     #[wasm_bindgen(constructor)]
-    pub fn new(width: u32, height: u32, tonemap: &str, exposure: f32, scene_hash: String) -> Result<Self, JsError> {
+    pub fn new(
+        width: u32,
+        height: u32,
+        tonemap: &str,
+        exposure: Option<f32>,
+        scene_hash: String,
+    ) -> Result<Self, JsError> {
         if width == 0 || height == 0 {
             return Err(JsError::new("a picture has at least one pixel"));
         }
         let curve = Tonemap::from_name(tonemap).ok_or_else(|| JsError::new(&format!("no tone curve `{tonemap}`")))?;
         let sums = vec![[0.0; 3]; width as usize * height as usize];
-        let display = Display { tonemap: curve, exposure_stops: exposure };
+        let display = Display { tonemap: curve, exposure_stops: exposure.unwrap_or(0.0) };
         let version = env!("CARGO_PKG_VERSION").to_owned();
         let provenance = Provenance {
             scene_hash,
@@ -41,7 +50,15 @@ impl Picture {
             backend: "web".to_owned(),
             ..Provenance::default()
         };
-        Ok(Self { width, height, sums, samples: vec![0; height as usize], display, provenance })
+        Ok(Self {
+            width,
+            height,
+            sums,
+            samples: vec![0; height as usize],
+            display,
+            auto_exposure: exposure.is_none(),
+            provenance,
+        })
     }
 
     /// Adds sums of samples to rows.
@@ -84,7 +101,8 @@ impl Picture {
 
     /// Red, green, blue and 255 of each pixel, 8 bits.
     pub fn rgba(&self) -> Vec<u8> {
-        self.display.encode_rgba(&self.means())
+        let means = self.means();
+        self.display_of(&means).encode_rgba(&means)
     }
 
     /// Bytes of a PNG file, as shown.
@@ -111,9 +129,16 @@ impl Picture {
         rows.flat_map(|(row, count)| row.iter().map(move |sum| mean(sum, *count))).collect()
     }
 
+    /// Tone curve and exposure of these means.
+    fn display_of(&self, means: &[[f32; 3]]) -> Display {
+        let suitable = if self.auto_exposure { suitable_stops_of(self.width as usize, means) } else { None };
+        Display { exposure_stops: suitable.unwrap_or(self.display.exposure_stops), ..self.display }
+    }
+
     fn encode(&self, name: &str, format: ImageFormat) -> Result<Vec<u8>, JsError> {
         let picture = image::Picture { width: self.width, height: self.height, pixels: self.means() };
+        let display = self.display_of(&picture.pixels);
         let provenance = Provenance { samples: self.samples(), ..self.provenance.clone() };
-        Ok(image::encode(Path::new(name), format, &picture, Vec::new(), &self.display, &provenance)?)
+        Ok(image::encode(Path::new(name), format, &picture, Vec::new(), &display, &provenance)?)
     }
 }

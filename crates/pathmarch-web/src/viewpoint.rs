@@ -16,19 +16,21 @@ pub(crate) struct CameraRecord {
     lens_radius: f32,
     focus: Option<f32>,
     exposure: f32,
+    #[serde(default)]
+    auto_exposure: bool,
 }
 
 impl From<&Camera> for CameraRecord {
     fn from(camera: &Camera) -> Self {
-        let Camera { name, position, target, up, fov, lens_radius, focus, exposure } = camera.clone();
-        Self { name, position, target, up, fov, lens_radius, focus, exposure }
+        let Camera { name, position, target, up, fov, lens_radius, focus, exposure, auto_exposure } = camera.clone();
+        Self { name, position, target, up, fov, lens_radius, focus, exposure, auto_exposure }
     }
 }
 
 impl From<CameraRecord> for Camera {
     fn from(record: CameraRecord) -> Self {
-        let CameraRecord { name, position, target, up, fov, lens_radius, focus, exposure } = record;
-        Self { name, position, target, up, fov, lens_radius, focus, exposure }
+        let CameraRecord { name, position, target, up, fov, lens_radius, focus, exposure, auto_exposure } = record;
+        Self { name, position, target, up, fov, lens_radius, focus, exposure, auto_exposure }
     }
 }
 

@@ -54,6 +54,7 @@ impl Viewer {
             scene: self.scene.clone(),
             settings,
             display,
+            auto_exposure: self.camera.auto_exposure,
             moving: self.dragging,
             frame_time: Duration::from_millis(33),
             reconstruct: Some(Default::default()),

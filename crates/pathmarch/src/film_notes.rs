@@ -1,7 +1,10 @@
 //! What a film file notes beside its samples, so that a picture can be made of it without the scene.
 
+use pathmarch_render::exposure::suitable_stops;
+use pathmarch_render::film::Film;
 use pathmarch_render::image::Provenance;
 use pathmarch_render::parts::FilmHeader;
+use pathmarch_render::pathmarch_scene::settings::AUTO;
 use pathmarch_render::pathmarch_scene::{Scene, Tonemap};
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{Mode, Settings, scene_hash};
@@ -13,11 +16,11 @@ pub fn is_film(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("film"))
 }
 
-/// Notes of a film.
-pub fn notes(display: Display, settings: &Settings, scene: &Scene) -> BTreeMap<String, String> {
+/// Notes of a film. An automatic exposure is that of the whole picture, so that it is not known yet.
+pub fn notes(display: Display, auto_exposure: bool, settings: &Settings, scene: &Scene) -> BTreeMap<String, String> {
     let notes = [
         ("tonemap", display.tonemap.name().to_owned()),
-        ("exposure", display.exposure_stops.to_string()),
+        ("exposure", if auto_exposure { AUTO.to_owned() } else { display.exposure_stops.to_string() }),
         ("mode", settings.mode.name().to_owned()),
         ("scene hash", scene_hash(scene)),
         ("seed", settings.seed.to_string()),
@@ -35,10 +38,12 @@ pub fn mode(header: &FilmHeader) -> Mode {
     header.notes.get("mode").and_then(|name| Mode::from_name(name)).unwrap_or_default()
 }
 
-/// Tone curve and exposure of a film.
-pub fn display(header: &FilmHeader) -> Display {
+/// Tone curve and exposure of a film, which `film` has the samples of.
+pub fn display(header: &FilmHeader, film: &Film) -> Display {
     let tonemap = header.notes.get("tonemap").and_then(|name| Tonemap::from_name(name)).unwrap_or_default();
-    Display { tonemap, exposure_stops: number(header, "exposure") }
+    let is_auto = header.notes.get("exposure").is_some_and(|text| text == AUTO);
+    let suitable = if is_auto { suitable_stops(film) } else { None };
+    Display { tonemap, exposure_stops: suitable.unwrap_or_else(|| number(header, "exposure")) }
 }
 
 /// Provenance of a picture of a film.

@@ -52,8 +52,52 @@ fn the_exposure_may_follow_the_picture() {
     let pixels = |name: &str| load(&directory.path().join(name)).expect("a picture").picture.pixels;
     assert_eq!(pixels("auto.png"), pixels("same.png"));
     assert_ne!(pixels("auto.png"), pixels("plain.png"));
+    // Frames share one, and a film finds it when it becomes a picture.
     let output = render(&["--exposure", "auto", "--frames", "1-2", "-o", "f#.png"]);
-    assert!(code(&output) == 2 && stderr(&output).contains("would flicker"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("exposure -8 EV in all frames"), "{}", stderr(&output));
+    assert!(["f1.png", "f2.png"].iter().all(|name| pixels(name) == pixels("same.png")));
+    assert_eq!(code(&render(&["--exposure", "auto", "-o", "auto.film"])), 0);
+    assert_eq!(code(&pathmarch(&["merge", "auto.film", "-o", "merged.png"], directory.path())), 0);
+    assert_eq!(pixels("merged.png"), pixels("same.png"));
+    // Scenes may ask for it; the option is stronger.
+    std::fs::write(directory.path().join("bright.kdl"), text.replace("0 0 0 }", "0 0 0; exposure \"auto\" }"))
+        .expect("written");
+    assert!(stderr(&render(&["-o", "scene.png"])).contains("exposure -8 EV"));
+    render(&["--exposure", "0", "-o", "option.png"]);
+    assert_eq!((pixels("scene.png"), pixels("option.png")), (pixels("same.png"), pixels("plain.png")));
+}
+
+/// Walls and overhangs of what is to be printed, before it is exported.
+#[test]
+fn check_reports_walls_and_overhangs() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let text = "pathmarch 1\nunit \"mm\"\ncamera { position 0 40 90; target 0 10 0 }\nsky 1\n\
+                object \"cup\" { subtract { cylinder 10 10; cylinder 9 10 { at 0 1 0 }; at 0 10 0 } }\n\
+                object \"floor\" { plane }\n";
+    std::fs::write(directory.path().join("cup.kdl"), text).expect("written");
+    let check = |arguments: &[&str]| {
+        let output = pathmarch(&[&["check", "cup.kdl", "--print"], arguments].concat(), directory.path());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        String::from_utf8(output.stdout).expect("text")
+    };
+    let said = check(&[]);
+    assert!(
+        said.contains("cup: 20.00 x 20.00 x 20.00 mm; thinnest wall 1.0") || said.contains("thinnest wall 0.9"),
+        "{said}"
+    );
+    assert!(said.contains("overhangs by more than 45°") && !said.contains("floor:"), "{said}");
+    let json: serde_json::Value = serde_json::from_str(&check(&["--json"])).expect("JSON");
+    let cup = &json["print"][0];
+    let wall = cup["thinnest_wall"].as_f64().expect("a wall");
+    assert!(cup["object"] == "cup" && (wall - 1.0).abs() < 0.1, "{json}");
+}
+
+#[test]
+fn a_shape_is_described_as_json() {
+    let output = pathmarch(&["shapes", "torus", "--json"], std::path::Path::new("."));
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(json["name"] == "torus" && json["params"][0]["name"].is_string(), "{json}");
 }
 
 #[test]

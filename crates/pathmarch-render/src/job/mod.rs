@@ -14,6 +14,7 @@ use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
 use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
 use crate::error::RenderError;
+use crate::output::exposure::suitable_stops;
 use crate::output::film::Film;
 use crate::ray_stats::{RayCounters, RayStats};
 use crate::settings::Settings;
@@ -153,6 +154,27 @@ impl Renderer {
         let mut job = self.start(scene, settings)?;
         job.run(|_| false, |_| {})?;
         job.film()
+    }
+
+    /// Exposure in stops that suits a picture, from a small one of few samples; 0 of a black one. Frames of an animation share
+    /// one, so that they do not flicker.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    pub fn meter(&self, scene: &Scene, settings: &Settings) -> Result<f32, RenderError> {
+        /// Width in pixels, and samples of the small picture.
+        const METER: (u32, u32) = (96, 32);
+        let [width, height] = settings.size.map(u64::from);
+        let rows = (u64::from(METER.0) * height).div_ceil(width.max(1)).clamp(1, u64::from(settings.size[1])) as u32;
+        let settings = Settings {
+            size: [METER.0.min(settings.size[0]), rows],
+            samples: METER.1,
+            first_sample: 0,
+            whole_samples: None,
+            crop: None,
+            ..settings.clone()
+        };
+        Ok(suitable_stops(&self.render(scene, &settings)?).unwrap_or(0.0))
     }
 
     /// The same renderer, with its choice between a software adapter and the CPU made for a picture.

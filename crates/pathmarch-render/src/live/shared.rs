@@ -18,6 +18,9 @@ pub struct RenderRequest {
     pub settings: Settings,
     /// Tone curve and exposure; see [`Mode::display`](crate::Mode::display).
     pub display: Display,
+    /// True if the exposure is the one that suits the picture, instead of that of `display`. It follows slowly while something
+    /// moves; at rest it is that of [`suitable_stops`](crate::exposure::suitable_stops).
+    pub auto_exposure: bool,
     /// True while the user moves something: the next picture then matters more than its size.
     pub moving: bool,
     /// Time for each picture while something moves.
@@ -34,6 +37,8 @@ pub struct LiveImage {
     pub size: [u32; 2],
     /// sRGB codes: red, green, blue and 255 for each pixel, the top row first.
     pub codes: Vec<u8>,
+    /// Exposure that it is shown with, stops.
+    pub exposure_stops: f32,
     /// Samples of each pixel, with a fraction for one that is begun.
     pub samples: f64,
     /// Number of the request, as [`Live::show`](super::Live::show) returned it.

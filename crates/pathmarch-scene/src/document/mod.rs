@@ -351,6 +351,10 @@ impl Document {
         let label = format!("Make {} {preset}", self.title(path));
         self.edit(&label, None, |transaction| presets::apply(transaction, path, preset))
     }
+    /// Gives objects, shapes and operators a material that is made of one of [`PRESETS`], and added unless it is there.
+    pub fn give_preset(&mut self, paths: &[Path], preset: &str) -> Result<(), EditError> {
+        self.edit(&format!("Give {preset}"), None, |transaction| presets::give(transaction, paths, preset))
+    }
     /// Gives a node that uses a material a copy of it, so that other users of the material stay as they are. Returns the
     /// copy.
     pub fn copy_material(&mut self, user: &Path, material: &Path) -> Result<Path, EditError> {
@@ -359,8 +363,17 @@ impl Document {
     }
     /// Sets the material of an object, a shape or an operator; `None` removes it.
     pub fn set_material(&mut self, path: &Path, material: Option<&str>) -> Result<(), EditError> {
+        self.set_material_in(path, material, None)
+    }
+    /// The same as a part of an undo step, as in [`Self::set`].
+    pub fn set_material_in(
+        &mut self,
+        path: &Path,
+        material: Option<&str>,
+        undo_group: Option<u64>,
+    ) -> Result<(), EditError> {
         let value = material.map_or(Value::None, |name| Value::Text(name.to_owned()));
-        self.set(path, key::MATERIAL, value, None)
+        self.set(path, key::MATERIAL, value, undo_group)
     }
     /// Writes a camera into the text: into the camera node `into`, which keeps its name, or as a new one, under its own
     /// name or the nearest free one.
@@ -434,6 +447,11 @@ impl Document {
     pub fn line_of(&self, path: &Path) -> Option<usize> {
         let found = outline::find(self.reading.file.as_ref()?, path)?;
         Some(1 + self.text[..found.node.whole.start as usize].matches('\n').count())
+    }
+    /// Text of a node, without what follows it on its line.
+    pub fn text_of(&self, path: &Path) -> Option<&str> {
+        let found = outline::find(self.reading.file.as_ref()?, path)?;
+        self.text.get(bytes(found.node.whole))
     }
     /// The innermost node around a byte of the text.
     pub fn path_at(&self, byte: usize) -> Option<Path> {

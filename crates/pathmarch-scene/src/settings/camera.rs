@@ -35,10 +35,10 @@ pub const CAMERA: &[Setting] = &[
     setting("lens", SettingKind::Properties(LENS), "", "lens radius=0.05 focus=6", "A thin lens."),
     setting(
         "exposure",
-        number(EXPOSURE, 0.0),
+        SettingKind::NumberOrAuto { range: EXPOSURE, default: 0.0 },
         "EV",
         "exposure 0",
-        "Stops for the screen, PNG and JPEG; never for EXR.",
+        "Stops for the screen, PNG and JPEG, never for EXR; \"auto\" is the exposure that suits the picture.",
     ),
 ];
 

@@ -34,6 +34,9 @@ pub use visibility::VISIBILITY;
 /// Names of the render settings that only scenes in motion use.
 pub const OF_MOTION: [&str; 2] = ["fps", "shutter"];
 
+/// Word of a number that the renderer chooses.
+pub const AUTO: &str = "auto";
+
 /// One setting.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting {
@@ -62,6 +65,13 @@ pub enum SettingKind {
         range: Range,
         /// Value when absent.
         default: Option<f32>,
+    },
+    /// A number, or "auto": chosen by the renderer.
+    NumberOrAuto {
+        /// Accepted numbers.
+        range: Range,
+        /// Value when absent.
+        default: f32,
     },
     /// A whole number.
     Whole {
@@ -166,7 +176,7 @@ impl SettingKind {
     /// Accepted numbers, for a single number; any for other kinds.
     pub fn range(&self) -> Range {
         match *self {
-            Self::Number { range, .. } => range,
+            Self::Number { range, .. } | Self::NumberOrAuto { range, .. } => range,
             _ => Range::ANY,
         }
     }
@@ -174,6 +184,7 @@ impl SettingKind {
     pub fn default_number(&self) -> Option<f32> {
         match *self {
             Self::Number { default, .. } => default,
+            Self::NumberOrAuto { default, .. } => Some(default),
             _ => None,
         }
     }
@@ -181,6 +192,7 @@ impl SettingKind {
     pub fn range_in_words(&self) -> String {
         match *self {
             Self::Number { range, .. } => range.in_words(),
+            Self::NumberOrAuto { range, .. } => format!("{}, or \"{AUTO}\"", range.in_words()),
             Self::Whole { range: (min, max), .. } => format!("from {min} to {max}"),
             Self::Size { range: (min, max), .. } => format!("from {min} to {max} each"),
             Self::Triple { .. } => "three finite numbers".to_owned(),

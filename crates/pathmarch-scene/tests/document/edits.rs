@@ -804,6 +804,15 @@ fn cameras_are_written() {
     let lens =
         edited("", camera(|camera| (camera.lens_radius, camera.focus, camera.up) = (0.1, Some(2.0), [1.0, 0.0, 0.0])));
     assert_eq!(lens, head("camera { position 0 1 5; target 0 1 0; up 1 0 0; lens radius=0.1 focus=2 }"));
+    assert_eq!(
+        edited("", camera(|camera| camera.auto_exposure = true)),
+        head("camera { position 0 1 5; target 0 1 0; exposure \"auto\" }")
+    );
+    let mut document = Document::new("", head("camera { position 0 1 5; target 0 1 0; exposure \"auto\" }"));
+    let control = document.control(&Path::top(1), "exposure").expect("a control");
+    assert_eq!(control.value, Value::Text("auto".to_owned()));
+    camera(|camera| (camera.auto_exposure, camera.exposure) = (false, 2.0))(&mut document).expect("written");
+    assert_eq!(document.text(), head("camera { position 0 1 5; target 0 1 0; exposure 2 }"));
     let new = edited("sky 1\n", |document| {
         let mut camera = document.scene().unwrap().cameras[0].clone();
         camera.exposure = 1.5;

@@ -1,6 +1,7 @@
 //! `pathmarch check`: reads scenes and reports every error.
 
 use super::counted;
+use super::printing::Printability;
 use super::scene_source::load;
 use pathmarch_cli::{DONE, FAILED, Failure, USAGE, outln, print_report};
 use pathmarch_render::pathmarch_field::graph::{Kind, Leaf};
@@ -19,6 +20,9 @@ pub struct Arguments {
     /// Test the distance field of each object for steps that are too long
     #[arg(long)]
     field: bool,
+    /// Measure walls and overhangs of each finite object, as a printer needs them
+    #[arg(long)]
+    print: bool,
     /// Allow the scene to read files outside its folder
     #[arg(long)]
     allow_files: bool,
@@ -37,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     for path in &arguments.scenes {
         let scene = load(path, arguments.allow_files);
         if arguments.json {
-            code = code.max(print_json(path, &scene));
+            code = code.max(print_json(path, &scene, arguments.print));
             continue;
         }
         match scene {
@@ -47,6 +51,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 }
                 outln!("{}: OK: {}{}", path.display(), contents(&scene), size_in_words(&scene));
                 print_meshes(&scene);
+                if arguments.print {
+                    print_walls(&scene);
+                }
                 if arguments.field {
                     if !(check_objects(&scene) & check_custom_shapes(&scene)) {
                         code = code.max(FAILED);
@@ -65,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
 }
 
 /// Prints what is in a scene, or its mistakes, as JSON; returns the exit code.
-fn print_json(path: &Path, scene: &Result<Scene, SceneError>) -> u8 {
+fn print_json(path: &Path, scene: &Result<Scene, SceneError>, walls: bool) -> u8 {
     let mistake = |mistake: &Mistake| {
         let before = &mistake.source_code.inner()[..mistake.span.offset()];
         let line = 1 + before.matches('\n').count();
@@ -80,10 +87,16 @@ fn print_json(path: &Path, scene: &Result<Scene, SceneError>) -> u8 {
                 "materials": scene.materials.len(), "lights": scene.lights.len(), "cameras": scene.cameras.len()});
             let warnings: Vec<_> = scene.warnings.iter().map(mistake).collect();
             let (unit, size) = (scene.unit.name(), size(scene));
-            (
-                json!({"scene": path, "ok": true, "counts": counts, "unit": unit, "size": size, "warnings": warnings}),
-                DONE,
-            )
+            let mut value =
+                json!({"scene": path, "ok": true, "counts": counts, "unit": unit, "size": size, "warnings": warnings});
+            if walls {
+                let each = |checked: Result<Printability, String>| match checked {
+                    Ok(checked) => checked.json(),
+                    Err(why) => json!({"error": why}),
+                };
+                value["print"] = Printability::of(scene).into_iter().map(each).collect();
+            }
+            (value, DONE)
         }
         Err(error) => {
             let mistakes: Vec<_> = error.mistakes().iter().map(mistake).collect();
@@ -92,6 +105,20 @@ fn print_json(path: &Path, scene: &Result<Scene, SceneError>) -> u8 {
     };
     outln!("{value}");
     code
+}
+
+/// Prints walls and overhangs of each finite object.
+fn print_walls(scene: &Scene) {
+    let all = Printability::of(scene);
+    if all.is_empty() {
+        outln!("  nothing to print: no object is a finite solid");
+    }
+    for checked in all {
+        match checked {
+            Ok(checked) => outln!("  {}: {}", checked.object, checked.in_words()),
+            Err(why) => outln!("  {why}"),
+        }
+    }
 }
 
 /// Prints what stands between each mesh and a good field: holes, flipped and duplicate triangles, thin walls.

@@ -78,7 +78,7 @@ fn write_picture(header: &FilmHeader, film: &Path, output: &Path) -> Result<u32,
     let film = FilmFile::open(film).and_then(|mut film| film.part()).map_err(Failure::other)?.film();
     let mode = film_notes::mode(header);
     let (display, provenance) =
-        (mode.display(film_notes::display(header)), film_notes::provenance(header, film.samples));
+        (mode.display(film_notes::display(header, &film)), film_notes::provenance(header, film.samples));
     image::save(output, &mode.picture(&film), &display, &provenance).map_err(Failure::other)?;
     Ok(film.samples)
 }

@@ -10,6 +10,7 @@ pub mod help;
 pub mod import;
 pub mod lsp;
 pub mod merge;
+mod printing;
 pub mod reference;
 pub mod render;
 mod scene_source;

@@ -15,21 +15,23 @@ pub struct Arguments {
     /// Print its generated WGSL
     #[arg(long, requires = "name")]
     wgsl: bool,
-    /// Print all shapes, operators and modifiers, with their parameters, as JSON
-    #[arg(long, conflicts_with_all = ["name", "wgsl"])]
+    /// Print it, or all shapes, operators and modifiers, with their parameters, as JSON
+    #[arg(long, conflicts_with = "wgsl")]
     json: bool,
+}
+
+/// An entry of the registry.
+fn entry(info: &Info, params: &[Param]) -> Value {
+    let param = |param: &Param| {
+        json!({"name": param.name, "doc": param.doc, "unit": param.unit.name(),
+            "default": param.default_in_words(), "range": param.range_in_words()})
+    };
+    json!({"name": info.name, "doc": info.doc, "source": info.source, "exact": info.exact,
+        "params": params.iter().map(param).collect::<Vec<_>>()})
 }
 
 /// Everything in the registry.
 fn all_as_json() -> Value {
-    let entry = |info: &Info, params: &[Param]| {
-        let param = |param: &Param| {
-            json!({"name": param.name, "doc": param.doc, "unit": param.unit.name(),
-                "default": param.default_in_words(), "range": param.range_in_words()})
-        };
-        json!({"name": info.name, "doc": info.doc, "source": info.source, "exact": info.exact,
-            "params": params.iter().map(param).collect::<Vec<_>>()})
-    };
     json!({
         "shapes": shapes().iter().map(|shape| entry(shape.info(), shape.params())).collect::<Vec<_>>(),
         "operators": operators().iter().map(|operator| entry(operator.info(), operator.params())).collect::<Vec<_>>(),
@@ -38,11 +40,11 @@ fn all_as_json() -> Value {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    if arguments.json {
-        outln!("{}", all_as_json());
-        return Ok(DONE);
-    }
     let Some(name) = &arguments.name else {
+        if arguments.json {
+            outln!("{}", all_as_json());
+            return Ok(DONE);
+        }
         outln!("Shapes\n");
         for shape in shapes() {
             outln!("  {:<40} {}", usage(shape.info(), shape.params()), shape.info().doc);
@@ -60,6 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         return Ok(DONE);
     };
     match solid(name) {
+        Some(found) if arguments.json => outln!("{}", entry(found.info(), found.params())),
         Some(Solid::Shape(shape)) if arguments.wgsl => {
             out!("{}\n{}", shape.wgsl_distance(), shape.wgsl_gradient());
         }

@@ -11,6 +11,7 @@ mod file_dialog;
 mod files;
 mod gallery;
 mod gizmo;
+mod material_balls;
 mod open_scene;
 mod painter;
 mod panels;

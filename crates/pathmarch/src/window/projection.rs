@@ -79,6 +79,7 @@ mod tests {
             lens_radius: 0.0,
             focus: None,
             exposure: 0.0,
+            auto_exposure: false,
         };
         let picture = Rect::from_min_max(Pos2::new(20.0, 10.0), Pos2::new(660.0, 370.0));
         let projection = Projection::new(&camera, picture);

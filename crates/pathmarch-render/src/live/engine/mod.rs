@@ -56,6 +56,10 @@ pub(super) struct Engine {
     published_at: Option<Instant>,
     /// Samples of the last published picture.
     published_samples: f64,
+    /// Last automatic exposure, stops.
+    metered_stops: Option<f32>,
+    /// Samples of the film of the last automatic exposure; 0 for that of another film.
+    metered_samples: f64,
     /// Start of the present request's first picture; `None` once it is published.
     first_image_since: Option<Instant>,
     /// Number of requests in a row that were replaced before their first picture.
@@ -84,6 +88,8 @@ impl Engine {
             last_measurement: (0.0, Instant::now()),
             published_at: None,
             published_samples: 0.0,
+            metered_stops: None,
+            metered_samples: 0.0,
             first_image_since: None,
             skipped_requests: 0,
             serial: 0,

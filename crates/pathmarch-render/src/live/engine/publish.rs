@@ -4,10 +4,16 @@ use super::{Engine, LiveImage, MIN_PUBLISH_RATIO, PUBLISH_INTERVAL, Status};
 use crate::error::RenderError;
 use crate::job::tracer::Tracer;
 use crate::live::shared::{FilmReply, lock};
+use crate::output::exposure::suitable_stops;
+use crate::output::tonemap::Display;
 use crate::reconstruct::{self, Buffer, upscaled_size};
 use crate::settings::Settings;
+use pathmarch_scene::settings::EXPOSURE;
 use std::sync::Arc;
 use std::time::Instant;
+
+/// Share of the way to the suitable exposure that a moving picture goes at once.
+const ADAPTATION: f32 = 0.25;
 
 impl Engine {
     /// True if a picture with `done` of `target` samples is to be published: the first, the last, and some between.
@@ -22,6 +28,7 @@ impl Engine {
 
     /// Publishes the picture so far.
     pub(super) fn publish(&mut self) -> Result<(), RenderError> {
+        let display = self.display()?;
         let (Some((number, request)), Some(tracer)) = (&self.request, &mut self.tracer) else { return Ok(()) };
         let samples = tracer.samples_done();
         // Only a picture at rest has a last sample; until then, and at smaller sizes, there is always more to come.
@@ -35,24 +42,50 @@ impl Engine {
         {
             let began = Instant::now();
             let shown = if options.upscaling { upscaled_size(size, request.settings.size) } else { size };
-            codes = self.reconstruction.show(tracer, input, weight, shown, &options, &request.display)?;
+            codes = self.reconstruction.show(tracer, input, weight, shown, &options, &display)?;
             if codes.is_some() {
                 (size, self.reconstruction_time) = (shown, began.elapsed());
             }
         }
         let codes = match codes {
             Some(codes) => codes,
-            None => tracer.show(&request.display, request.settings.mode)?,
+            None => tracer.show(&display, request.settings.mode)?,
         };
         let now = Instant::now();
         self.serial += 1;
-        let image = LiveImage { size, codes, samples, request: *number, serial: self.serial, at: now };
+        let exposure_stops = display.exposure_stops;
+        let image = LiveImage { size, codes, exposure_stops, samples, request: *number, serial: self.serial, at: now };
         *lock(&self.shared.picture) = Some(Arc::new(image));
         self.published_at = Some(now);
         self.published_samples = samples;
         self.update_status();
         (self.shared.notify)();
         Ok(())
+    }
+
+    /// Tone curve and exposure of the next picture. An automatic exposure is measured each time the samples have doubled, and for
+    /// the last one.
+    fn display(&mut self) -> Result<Display, RenderError> {
+        let (Some((_, request)), Some(tracer)) = (&self.request, &mut self.tracer) else {
+            return Ok(Display::default());
+        };
+        if !request.auto_exposure {
+            self.metered_stops = None;
+            return Ok(request.display);
+        }
+        let samples = tracer.samples_done();
+        let is_first = self.metered_samples == 0.0;
+        let is_last = self.level == request.settings.size && samples >= f64::from(request.settings.samples);
+        if tracer.is_whole() && (is_first || is_last || samples >= 2.0 * self.metered_samples) {
+            let film = tracer.film()?;
+            self.metered_samples = f64::from(film.samples);
+            if let Some(stops) = suitable_stops(&film) {
+                let follows = self.metered_stops.filter(|_| request.moving);
+                self.metered_stops = Some(follows.map_or(stops, |last| last + ADAPTATION * (stops - last)));
+            }
+        }
+        let exposure_stops = self.metered_stops.map_or(0.0, |stops| stops.clamp(EXPOSURE.min, EXPOSURE.max));
+        Ok(Display { exposure_stops, ..request.display })
     }
 
     /// Film of the full-size picture, and its settings.

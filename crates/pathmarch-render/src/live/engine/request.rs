@@ -10,6 +10,7 @@ use crate::mode::Mode;
 use crate::preview_steps::PreviewSteps;
 use crate::reconstruct::Reconstruction;
 use crate::settings::Settings;
+use pathmarch_scene::Camera;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -38,9 +39,14 @@ fn same_kernel(a: &Settings, b: &Settings) -> bool {
     rest(a) == rest(b)
 }
 
-/// True if only the number of samples differs.
+/// True if only the number of samples and the exposure differ.
 fn same_picture(a: &Settings, b: &Settings) -> bool {
-    Settings { samples: 1, ..a.clone() } == Settings { samples: 1, ..b.clone() }
+    let rest = |settings: &Settings| {
+        let viewpoint = settings.viewpoint.clone();
+        let viewpoint = viewpoint.map(|camera| Camera { exposure: 0.0, auto_exposure: false, ..camera });
+        Settings { samples: 1, viewpoint, ..settings.clone() }
+    };
+    rest(a) == rest(b)
 }
 
 /// True if pictures of a request are reconstructed.
@@ -76,8 +82,10 @@ impl Engine {
         });
         if same_picture {
             // Only the number of samples or the display has changed.
-            let differs =
-                |old: &RenderRequest| (old.display, old.reconstruct) != (request.display, request.reconstruct);
+            let differs = |old: &RenderRequest| {
+                let shown = |request: &RenderRequest| (request.display, request.auto_exposure, request.reconstruct);
+                shown(old) != shown(&request)
+            };
             if old.as_ref().is_some_and(differs) && self.published_at.is_some() {
                 self.publish()?;
             }
@@ -192,6 +200,7 @@ impl Engine {
         }
         self.last_measurement = (0.0, Instant::now());
         self.published_samples = 0.0;
+        self.metered_samples = 0.0;
         Ok(())
     }
 }

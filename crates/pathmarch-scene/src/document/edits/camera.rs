@@ -10,6 +10,7 @@ use crate::document::text::literals::quoted;
 use crate::document::tree::outline::ItemKind;
 use crate::document::tree::path::Path;
 use crate::scene::Camera;
+use crate::settings::AUTO;
 
 /// The parameters of a camera.
 fn camera_values(camera: &Camera) -> [(&'static str, Value); 7] {
@@ -20,7 +21,7 @@ fn camera_values(camera: &Camera) -> [(&'static str, Value); 7] {
         ("fov", Value::Number(camera.fov)),
         ("lens.radius", Value::Number(camera.lens_radius)),
         ("lens.focus", camera.focus.map_or(Value::None, Value::Number)),
-        ("exposure", Value::Number(camera.exposure)),
+        ("exposure", if camera.auto_exposure { Value::Text(AUTO.to_owned()) } else { Value::Number(camera.exposure) }),
     ]
 }
 
@@ -56,6 +57,8 @@ pub(crate) fn write_camera(
         let patches = match &value {
             _ if same => continue,
             Value::None => writer.erase(&parameter)?,
+            // The control of an exposure is a number or "auto", as the text gives it.
+            value if key == "exposure" => writer.write(&parameter, value)?,
             value => {
                 check(&parameter, value)?;
                 writer.write(&parameter, &keeping_formulas(&parameter, value.clone())?)?

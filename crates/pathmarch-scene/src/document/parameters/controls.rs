@@ -14,6 +14,10 @@ pub(super) fn setting_control(key: Cow<'static, str>, setting: &Setting) -> Opti
             let kind = ControlKind::Number(number_range(range, false, setting.unit, default));
             (kind, default.map_or(Value::None, Value::Number))
         }
+        SettingKind::NumberOrAuto { range, default } => {
+            let kind = ControlKind::Number(number_range(range, false, setting.unit, Some(default)));
+            (kind, Value::Number(default))
+        }
         SettingKind::Whole { range: (min, max), default } => {
             let range = Range::from_to(min as f32, max as f32);
             let default = default as f32;

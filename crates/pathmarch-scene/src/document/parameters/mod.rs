@@ -18,7 +18,7 @@ use crate::language::keywords::{FIELD, FONT, MATERIAL, MESH, ORBIT_TRAP, SHAPE};
 use crate::language::read::params;
 use crate::language::tree::{self, Block, Node};
 use crate::materials::{self, Trap};
-use crate::settings::{self, Range, SKY_FORMS, Setting, SettingKind};
+use crate::settings::{self, AUTO, Range, SKY_FORMS, Setting, SettingKind};
 use crate::svg_path::DEFAULT_PATH;
 use crate::text::DEFAULT_TEXT;
 pub(crate) use controls::{material_control, parameter_value};
@@ -141,8 +141,19 @@ impl List<'_> {
 
     /// A setting of a table.
     fn setting(&mut self, key: impl Into<Cow<'static, str>>, setting: &Setting, place: Place) {
-        let control = setting_control(key.into(), setting);
+        let control = setting_control(key.into(), setting).map(|control| match setting.kind {
+            // It is a number again once it is reset.
+            SettingKind::NumberOrAuto { .. } if self.is_auto(setting.name) => {
+                let (kind, auto) = (ControlKind::Choice(vec![Cow::Borrowed(AUTO)]), Value::Text(AUTO.to_owned()));
+                Control { kind, default: auto, ..control }
+            }
+            _ => control,
+        });
         control.into_iter().for_each(|control| self.push(control, place.clone()));
+    }
+    /// True if the node gives a setting the value "auto".
+    fn is_auto(&self, name: &str) -> bool {
+        child(self.node, name).and_then(text_argument) == Some(AUTO)
     }
     /// Settings that are nodes in braces.
     fn nodes(&mut self, table: &'static [Setting]) {

@@ -29,7 +29,7 @@ pub(crate) fn camera(node: &Node, seen: &mut HashMap<String, Span>, context: &mu
     let target = settings.triple("target", context);
     let up = settings.triple("up", context);
     let fov = settings.number("fov", context);
-    let exposure = settings.number("exposure", context);
+    let exposure = settings.number_or_auto("exposure", context);
     let (lens_radius, focus) = settings.get("lens").map_or((Some(0.0), None), |lens| self::lens(lens, context));
     let (position, target, up) = (position?, target?, up?);
     let view = (DVec3::from_array(target.map(f64::from)) - DVec3::from_array(position.map(f64::from))).try_normalize();
@@ -57,7 +57,8 @@ pub(crate) fn camera(node: &Node, seen: &mut HashMap<String, Span>, context: &mu
         fov: fov?,
         lens_radius: lens_radius?,
         focus,
-        exposure: exposure?,
+        exposure: exposure?.unwrap_or(0.0),
+        auto_exposure: exposure? == None,
     })
 }
 

@@ -1,14 +1,14 @@
 //! Settings of a table ([`crate::settings`]) in braces or as properties.
 
-use super::arguments::{choice, flag, named, properties, twice};
+use super::arguments::{choice, flag, named, no_children, properties, twice};
 use super::colours::colour;
 use super::context::Context;
 use super::numbers::{direction, in_range, numbers, whole, whole_numbers};
 use super::unexpected::unexpected_node;
 use crate::language::diagnostics::report::draft;
 use crate::language::diagnostics::spelling::nearest;
-use crate::language::tree::{Entry, Node};
-use crate::settings::{Range, Setting, SettingKind, SettingValue, find, names};
+use crate::language::tree::{Entry, Node, Value};
+use crate::settings::{AUTO, Range, Setting, SettingKind, SettingValue, find, names};
 
 /// Nodes found in braces, each of a known name and at most once.
 pub(crate) struct NodesByName<'n> {
@@ -110,6 +110,20 @@ impl<'n> Braces<'n> {
         match found {
             Some(node) => single(node, setting, context),
             None => setting.kind.default_number(),
+        }
+    }
+    /// A number, or `None` inside for "auto".
+    pub(super) fn number_or_auto(&self, name: &str, context: &mut Context) -> Option<Option<f32>> {
+        let is_auto = |node: &Node| match &node.entries[..] {
+            [entry] if entry.name.is_none() => matches!(&entry.value, Value::Text(text) if *text == AUTO),
+            _ => false,
+        };
+        match self.get(name).filter(|node| is_auto(node)) {
+            Some(node) => {
+                no_children(node, context);
+                Some(None)
+            }
+            None => self.number(name, context).map(Some),
         }
     }
     /// A colour.

@@ -1,9 +1,9 @@
 //! Export of a triangle mesh.
 
 use super::{Arguments, interrupted, load_scene, with_progress};
+use crate::commands::printing::{extent, for_printers, in_figures};
 use pathmarch_cli::{DONE, Failure, note};
 use pathmarch_render::mesh_file::{MeshFormat, mesh, save};
-use pathmarch_render::pathmarch_field::PrintReport;
 use pathmarch_render::pathmarch_field::mesh::{Fineness, MeshError};
 use pathmarch_render::pathmarch_scene::{Camera, LengthUnit, Scene};
 use std::time::Instant;
@@ -90,23 +90,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(DONE)
 }
 
-/// `cell` is the size of a cell of the grid. As in "thinnest wall 0.8 mm; 12 % of the surface overhangs by more than 45° (y is up)".
-fn for_printers(report: &PrintReport, unit: &str, cell: f64) -> String {
-    let wall = report.thinnest_wall.map_or_else(
-        || "no walls found".to_owned(),
-        |thickness| format!("thinnest wall {} {unit}", in_figures(f64::from(thickness))),
-    );
-    let percent = 100.0 * report.overhang_share;
-    let share = match () {
-        () if percent == 0.0 => "nothing".to_owned(),
-        () if percent < 1.0 => "less than 1 % of the surface".to_owned(),
-        () => format!("{percent:.0} % of the surface"),
-    };
-    let is_coarse = report.thinnest_wall.is_some_and(|thickness| f64::from(thickness) < 2.0 * cell);
-    let advice = if is_coarse { "; the wall is thinner than two cells: raise --resolution to measure it" } else { "" };
-    format!("{wall}; {share} overhangs by more than 45° (y is up){advice}")
-}
-
 /// Camera whose lengths are scaled, as files with cameras need it.
 fn scaled(camera: &Camera, scale: f32) -> Camera {
     Camera {
@@ -116,21 +99,4 @@ fn scaled(camera: &Camera, scale: f32) -> Camera {
         focus: camera.focus.map(|focus| focus * scale),
         ..camera.clone()
     }
-}
-
-/// Edge lengths of the bounding box of points.
-fn extent(points: &[[f32; 3]]) -> [f64; 3] {
-    std::array::from_fn(|axis| {
-        let along = points.iter().map(|point| f64::from(point[axis]));
-        let (min, max) = along.fold((f64::MAX, f64::MIN), |(min, max), v| (min.min(v), max.max(v)));
-        (max - min).max(0.0)
-    })
-}
-
-/// Formats a number with four significant digits.
-fn in_figures(value: f64) -> String {
-    // Rounding may add a digit before the point.
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    let places = 3.0 - rounded.abs().max(1e-12).log10().floor();
-    format!("{value:.0$}", places.max(0.0) as usize)
 }

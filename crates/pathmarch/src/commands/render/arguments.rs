@@ -9,11 +9,11 @@ use crate::video;
 use pathmarch_cli::{BackendArgument, Failure, RenderOptions, value_parsers};
 use pathmarch_render::aov::Layer;
 use pathmarch_render::denoise::Denoiser;
-use pathmarch_render::exposure::suitable_stops;
+use pathmarch_render::exposure::camera_stops;
 use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::parts::Rect;
-use pathmarch_render::pathmarch_scene::{RenderSettings, Scene, settings};
+use pathmarch_render::pathmarch_scene::{Camera, RenderSettings, Scene, settings};
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{MAX_NOISE, MAX_SPLITTING, MIN_NOISE, Mode, PreviewStep, Settings, Shutter};
 use std::path::{Path, PathBuf};
@@ -296,14 +296,23 @@ impl Arguments {
         self.scenes.first().map_or_else(String::new, |scene| scene.display().to_string())
     }
 
-    /// Tone curve and exposure of a film; without a film, `auto` is the exposure of the camera.
+    /// True if the exposure follows the picture.
+    pub(super) fn has_auto_exposure(&self, scene: &Scene, settings: &Settings) -> bool {
+        match self.exposure {
+            Some(exposure) => exposure == Exposure::Auto,
+            None => settings.camera_of(scene).auto_exposure,
+        }
+    }
+
+    /// Tone curve and exposure of a film; without a film, an automatic exposure is 0.
     pub(super) fn display(&self, scene: &Scene, settings: &Settings, film: Option<&Film>) -> Display {
-        let exposure_stops = match self.exposure {
-            Some(Exposure::Stops(stops)) => stops,
-            Some(Exposure::Auto) if film.is_some() => film.and_then(suitable_stops).unwrap_or(0.0),
-            _ => settings.camera_of(scene).exposure,
+        let camera = settings.camera_of(scene);
+        let camera = match self.exposure {
+            Some(Exposure::Stops(exposure)) => Camera { exposure, auto_exposure: false, ..camera.clone() },
+            Some(Exposure::Auto) => Camera { exposure: 0.0, auto_exposure: true, ..camera.clone() },
+            None => camera.clone(),
         };
-        Display { tonemap: self.render_settings(scene).tonemap, exposure_stops }
+        Display { tonemap: self.render_settings(scene).tonemap, exposure_stops: camera_stops(&camera, film) }
     }
 
     /// Checks arguments that exclude each other.
@@ -316,14 +325,6 @@ impl Arguments {
         if self.denoise.is_some() && (self.crop.is_some() || self.output.as_ref().is_some_and(|output| is_film(output)))
         {
             return refuse("--denoise needs the whole picture; it excludes --crop and .film");
-        }
-        if self.exposure == Some(Exposure::Auto) && self.frames.is_some() {
-            return refuse(
-                "--exposure auto would flicker from frame to frame; render one with --time, and give its exposure",
-            );
-        }
-        if self.exposure == Some(Exposure::Auto) && self.output.as_ref().is_some_and(|output| is_film(output)) {
-            return refuse("--exposure auto needs the whole picture; it excludes .film");
         }
         if self.noise.is_some() {
             let film = self.output.as_ref().is_some_and(|output| is_film(output));

@@ -30,7 +30,7 @@ use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use still::{Outcome, Task};
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
@@ -58,8 +58,9 @@ fn render(arguments: &Arguments, output: &Path, interrupted: &AtomicBool) -> Res
         let (renderer, animation) = (open_renderer(arguments, None)?, Arc::new(Mutex::new(animation)));
         let still_frames = video::is_video(output).then(|| FrameDirectory::of(output));
         let pattern = still_frames.as_ref().map_or(Ok(output), |frames| frames.create(arguments))?;
+        let metered = metered(arguments, &renderer, &animation)?;
         let frames = Frames {
-            arguments,
+            arguments: metered.as_ref().unwrap_or(arguments),
             frames: range,
             fps,
             pattern,
@@ -83,6 +84,23 @@ fn render(arguments: &Arguments, output: &Path, interrupted: &AtomicBool) -> Res
         return dump_wgsl(&scene, &settings, file);
     }
     still(arguments, (animation, &scene, fps), settings, &Output::of(output)?, (interrupted, &progress))
+}
+
+/// Arguments with the exposure of all frames, if it follows the picture: that of a small picture at the time 0. It is the same
+/// for every part of an animation, and does not flicker.
+fn metered(
+    arguments: &Arguments,
+    renderer: &Renderer,
+    animation: &Arc<Mutex<Animation>>,
+) -> Result<Option<Arguments>, Failure> {
+    let scene = animation.lock().unwrap_or_else(PoisonError::into_inner).at(Moment::default())?;
+    let settings = arguments.settings(&scene)?;
+    if !arguments.has_auto_exposure(&scene, &settings) {
+        return Ok(None);
+    }
+    let stops = renderer.meter(&scene, &settings).map_err(render_failure)?;
+    note!("exposure {stops} EV in all frames, that of the first moment");
+    Ok(Some(Arguments { exposure: Some(Exposure::Stops(stops)), ..arguments.clone() }))
 }
 
 /// Renders one picture.
@@ -113,7 +131,7 @@ fn still(
     report(&outcome, output, progress);
     if outcome.written && task.settings.mode == Mode::Path && matches!(output, Output::Picture(_) | Output::Standard) {
         let stops = arguments.display(scene, &task.settings, Some(&outcome.film)).exposure_stops;
-        if arguments.exposure == Some(Exposure::Auto) {
+        if arguments.has_auto_exposure(scene, &task.settings) {
             note!("exposure {stops} EV");
         } else {
             report_exposure(&outcome.film, stops);

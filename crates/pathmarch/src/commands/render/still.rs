@@ -148,7 +148,12 @@ impl Task<'_> {
             samples: [first, self.whole_end()],
             identity: self.identity(&job),
             engines: vec![job.engine()],
-            notes: film_notes::notes(self.arguments.display(self.scene, settings, None), settings, self.scene),
+            notes: film_notes::notes(
+                self.arguments.display(self.scene, settings, None),
+                self.arguments.has_auto_exposure(self.scene, settings),
+                settings,
+                self.scene,
+            ),
             regions: Vec::new(),
         };
         let checkpoint = self.output.file().map(Checkpoint::of);

@@ -43,6 +43,7 @@ impl App {
                 self.restart_graphics();
             }
             Action::Tree => self.preferences.left_open = !self.preferences.left_open,
+            Action::Materials => self.palette = !self.palette,
             Action::Inspector => self.preferences.right_open = !self.preferences.right_open,
             Action::Source => self.preferences.show_source = !self.preferences.show_source,
             Action::Plots => self.preferences.show_plots = !self.preferences.show_plots,

@@ -10,8 +10,10 @@ use crate::window::file_dialog::FileDialog;
 use crate::window::files::recovery::{RecoveredWork, find_abandoned_work};
 use crate::window::open_scene::OpenScene;
 use pathmarch_render::aov::Layer;
+use pathmarch_render::exposure::camera_stops;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::read_text;
+use pathmarch_render::tonemap::Display;
 use pathmarch_render::{BackendInfo, Settings};
 use std::path::{Path, PathBuf};
 
@@ -186,7 +188,13 @@ impl App {
         let display = App::display(open, &scene);
         let answer = self.live.film().recv().unwrap_or_else(|_| Err("the renderer has stopped".to_owned()));
         let status = self.live.status();
+        let auto = open.view.camera.auto_exposure && open.view.mode.has_exposure();
         let result = answer.and_then(|(film, settings)| {
+            let display = if auto {
+                Display { exposure_stops: camera_stops(&open.view.camera, Some(&film)), ..display }
+            } else {
+                display
+            };
             let layers = match ImageFormat::from_path(path).map_err(|error| error.to_string())? {
                 ImageFormat::Exr => Layer::ALL.to_vec(),
                 _ => Vec::new(),

@@ -43,6 +43,7 @@ impl App {
         let order = RenderRequest {
             settings: Self::settings(open, &scene),
             display: Self::display(open, &scene),
+            auto_exposure: open.view.camera.auto_exposure && open.view.mode.has_exposure(),
             scene,
             moving: moving.is_some(),
             frame_time: Duration::from_secs_f32(1.0 / self.preferences.frame_rate.clamp(1.0, 240.0)),
@@ -52,6 +53,7 @@ impl App {
             self.ordered_revision == open.document.scene_revision()
                 && old.settings == order.settings
                 && old.display == order.display
+                && old.auto_exposure == order.auto_exposure
                 && old.moving == order.moving
                 && old.frame_time == order.frame_time
                 && old.reconstruct == order.reconstruct
@@ -86,6 +88,7 @@ impl App {
         }
     }
 
+    /// Tone curve and exposure of the view; without a film, an automatic exposure is 0.
     pub(crate) fn display(open: &OpenScene, scene: &Scene) -> Display {
         let display = Display { tonemap: scene.render.tonemap, exposure_stops: open.view.camera.exposure };
         open.view.mode.display(display)

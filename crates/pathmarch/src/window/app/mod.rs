@@ -20,6 +20,7 @@ use super::files::preferences::Preferences;
 use super::files::recovery::{Recovery, find_abandoned_work};
 use super::gallery::Gallery;
 use super::gizmo::GizmoState;
+use super::material_balls::MaterialBalls;
 use super::open_scene::{FileChange, OpenScene};
 use super::source_editor::SourceEditor;
 use super::waker::Waker;
@@ -73,6 +74,9 @@ pub(crate) struct App {
     /// Histogram of the picture, while it is shown.
     pub(crate) histogram: Option<Histogram>,
     pub(crate) help: bool,
+    /// The palette of materials is shown.
+    pub(crate) palette: bool,
+    pub(crate) material_balls: MaterialBalls,
     /// The picture fills the window.
     pub(crate) picture_only: bool,
     /// Undo group of the current interaction. Edits between two pointer presses, or by the keyboard in one widget, form
@@ -135,6 +139,8 @@ impl App {
             source: SourceEditor::default(),
             histogram: None,
             help: false,
+            palette: false,
+            material_balls: MaterialBalls::default(),
             picture_only: false,
             undo_group: 0,
             last_typed_at: 0.0,
@@ -204,6 +210,7 @@ impl App {
             self.panels(ui);
         }
         self.help_window(&ctx);
+        self.material_palette(&ctx);
         self.show_dialog(&ctx);
         self.show_file_dialog(&ctx);
         self.show_toasts(&ctx);

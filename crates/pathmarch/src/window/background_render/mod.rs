@@ -6,6 +6,7 @@ use crate::atomic_file::check_writable;
 use crate::frames::{self, FrameRange};
 use crate::picture::Rendered;
 use pathmarch_render::aov::Layer;
+use pathmarch_render::exposure::camera_stops;
 use pathmarch_render::film::Film;
 use pathmarch_render::image::ImageFormat;
 use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
@@ -258,6 +259,7 @@ impl<W: Fn()> Worker<'_, W> {
         let (task, started) = (self.task, Instant::now());
         let fps = task.scene.render.fps;
         let (mut wrote, mut skipped) = (0, 0);
+        let first_stops = self.stops_of_frames()?;
         for (index, frame) in sequence.frames.numbers().enumerate() {
             if self.shared.command() != CONTINUE {
                 break;
@@ -270,7 +272,8 @@ impl<W: Fn()> Worker<'_, W> {
             let in_frame = |error: String| format!("frame {frame}: {error}; frames written before it are kept");
             let scene = self.animation.lock().unwrap_or_else(PoisonError::into_inner).at(Moment::of_frame(frame, fps));
             let scene = scene.map_err(|error| in_frame(error.to_string()))?;
-            let exposure_stops = task.settings.camera_of(&scene).exposure;
+            let camera = task.settings.camera_of(&scene);
+            let exposure_stops = if camera.auto_exposure { first_stops } else { camera.exposure };
             let display = Display { exposure_stops, ..task.display };
             let before = f64::from(task.settings.samples) * index as f64;
             let written = self.picture(&scene, &display, &output, before, false).map_err(in_frame)?;
@@ -281,6 +284,17 @@ impl<W: Fn()> Worker<'_, W> {
         let there = if skipped > 0 { format!(", {skipped} existed already") } else { String::new() };
         let seconds = started.elapsed().as_secs_f64();
         Ok(format!("{begun} {files} to {} in {seconds:.1} s{there}", task.output.display()))
+    }
+
+    /// Exposure of all frames if it follows the picture: that of the first moment.
+    fn stops_of_frames(&self) -> Result<f32, String> {
+        let settings = &self.task.settings;
+        if !settings.camera_of(&self.task.scene).auto_exposure {
+            return Ok(0.0);
+        }
+        let scene = self.animation.lock().unwrap_or_else(PoisonError::into_inner).at(Moment::default());
+        let scene = scene.map_err(|error| error.to_string())?;
+        self.renderer.meter(&scene, settings).map_err(|error| error.to_string())
     }
 
     /// Renders and writes one picture; returns a sentence, or `None` if it was cancelled. `before`: samples of the
@@ -324,6 +338,10 @@ impl<W: Fn()> Worker<'_, W> {
             state.samples = before + f64::from(film.samples);
         }
         (self.wake)();
+        let camera = task.settings.camera_of(scene);
+        let follows = camera.auto_exposure && task.settings.mode.has_exposure() && may_be_partial;
+        let exposure_stops = if follows { camera_stops(camera, Some(&film)) } else { display.exposure_stops };
+        let display = &Display { exposure_stops, ..*display };
         let rendered =
             Rendered { scene, settings: &task.settings, film: &film, backend: job.backend(), denoised: None };
         let sentence = save_film(&rendered, output, display, &task.layers);

@@ -10,6 +10,7 @@
 mod drag;
 mod draw;
 mod shape;
+mod sun;
 #[cfg(test)]
 mod tests;
 mod transform;
@@ -17,11 +18,12 @@ mod transform;
 use crate::window::open_scene::view_state::GizmoMode;
 use crate::window::projection::Projection;
 use drag::Drag;
-use egui::{Pos2, Rect};
+use egui::{Pos2, Rect, Vec2};
 use glam::{DQuat, DVec3};
 use pathmarch_render::pathmarch_scene::Camera;
 use pathmarch_render::pathmarch_scene::document::{Document, ItemKind, Path, Value, key};
 use shape::{Gizmo, Handle};
+use sun::{SkyMap, Sun};
 use transform::{Transform, local_transform, parent_transform, present_value, round_to};
 
 /// Node that the gizmo changes: a shape, an operator, a point or a spot light; for an object, its only shape.
@@ -121,6 +123,8 @@ const LIGHT_CONE: &str = "cone";
 pub(crate) struct GizmoState {
     /// Node and drag in progress.
     held: Option<(Path, Drag)>,
+    /// Sun that is dragged, and its place relative to the pointer.
+    held_sun: Option<(Path, Vec2)>,
 }
 
 /// The pointer over the viewport.
@@ -148,6 +152,12 @@ impl GizmoState {
         kind: GizmoMode,
         pointer: Option<Pointer>,
     ) -> (bool, Vec<(Path, &'static str, Value)>) {
+        if let Some(sun) = Sun::of(document, selection) {
+            self.held = None;
+            let map = SkyMap::new(&Projection::new(camera, picture), picture);
+            return self.show_sun(ui, picture, &map, sun, selection, pointer);
+        }
+        self.held_sun = None;
         let Some(path) = target_node(document, selection) else {
             self.held = None;
             return (false, Vec::new());
@@ -178,6 +188,38 @@ impl GizmoState {
             draw::draw(&ui.painter_at(picture), gizmo, handles, hovered, drag);
         }
         (drag.is_some() || hovered.is_some(), changes.into_iter().collect())
+    }
+
+    /// Draws the handle of a sun, which is dragged on a map of all directions.
+    fn show_sun(
+        &mut self,
+        ui: &egui::Ui,
+        picture: Rect,
+        map: &SkyMap,
+        sun: Sun,
+        path: &Path,
+        pointer: Option<Pointer>,
+    ) -> (bool, Vec<(Path, &'static str, Value)>) {
+        self.held_sun =
+            self.held_sun.take().filter(|(of, _)| of == path && pointer.is_some_and(|pointer| pointer.down));
+        let at = pointer.map(|pointer| pointer.pressed_at.unwrap_or(pointer.position));
+        let hovered =
+            pointer.is_some_and(|pointer| pointer.hovered) && at.is_some_and(|at| map.is_on(sun.direction, at));
+        if let Some(pressed) = pointer.and_then(|pointer| pointer.pressed_at).filter(|_| hovered) {
+            self.held_sun = Some((path.clone(), map.place(sun.direction) - pressed));
+        }
+        let snapping = ui.input(|input| input.modifiers.command);
+        let mut direction = sun.direction;
+        let mut changes = Vec::new();
+        if let (Some((_, offset)), Some(pointer)) = (&self.held_sun, pointer) {
+            let moved = map.direction(pointer.position + *offset, snapping);
+            if map.place(moved).distance(map.place(sun.direction)) > 0.5 {
+                direction = moved;
+                changes = sun.changes(path, moved);
+            }
+        }
+        map.draw(&ui.painter_at(picture), direction, hovered || self.held_sun.is_some());
+        (hovered || self.held_sun.is_some(), changes)
     }
 
     /// Begins and ends drags; returns the handle under the pointer.

@@ -4,7 +4,6 @@ use super::drag::Drag;
 use super::shape::{Axis, Gizmo, Handle, OUTER_RADIUS, SIZE};
 use super::transform::Transform;
 use super::*;
-use egui::Vec2;
 use glam::DQuat;
 
 const AXES: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
@@ -20,6 +19,7 @@ fn seen_from(position: [f32; 3], target: [f32; 3], up: [f32; 3]) -> Projection {
         lens_radius: 0.0,
         focus: None,
         exposure: 0.0,
+        auto_exposure: false,
     };
     Projection::new(&camera, PICTURE)
 }
@@ -295,6 +295,7 @@ fn handles_behind_the_camera_are_neither_drawn_nor_picked() {
         lens_radius: 0.0,
         focus: None,
         exposure: 0.0,
+        auto_exposure: false,
     };
     let wide = super::tests::gizmo(Projection::new(&camera, PICTURE));
     assert_eq!(wide.projection.project(wide.arrow(Axis::Z)[1]), None);

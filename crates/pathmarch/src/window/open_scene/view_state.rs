@@ -88,6 +88,7 @@ impl Default for ViewState {
             lens_radius: 0.0,
             focus: None,
             exposure: 0.0,
+            auto_exposure: false,
         };
         Self {
             camera,

@@ -5,6 +5,7 @@ mod dialogs;
 mod gallery_page;
 mod help;
 mod inspector;
+pub(crate) mod materials;
 mod menu_bar;
 mod plots;
 mod scene_tree;

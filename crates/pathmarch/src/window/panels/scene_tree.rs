@@ -3,6 +3,7 @@
 //! Only visible rows are built: ten thousand objects cost no more than ten.
 
 use super::inspector::heading;
+use super::materials::DraggedMaterial;
 use crate::window::app::App;
 use egui::{Align2, Color32, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 use pathmarch_render::pathmarch_field::registry::solids;
@@ -38,6 +39,7 @@ enum TreeAction {
     Move(Path, Option<Path>, usize),
     Hide(Path, bool),
     Lock(String, bool),
+    GiveMaterial(Path, DraggedMaterial),
 }
 
 impl App {
@@ -283,6 +285,7 @@ impl App {
     fn apply_action(&mut self, action: TreeAction) {
         match action {
             TreeAction::Select(path) => self.select(Some(path)),
+            TreeAction::GiveMaterial(path, material) => self.give_material(&[path], &material),
             TreeAction::Toggle(path) => {
                 if let Some(open) = &mut self.open {
                     open.view.selection.toggle(&open.document, path);
@@ -437,6 +440,15 @@ fn rename(ui: &mut Ui, body: Rect, row_id: egui::Id, item: &Item, mut typed: Str
 fn drag(ui: &Ui, response: &Response, item: &Item, actions: &mut Vec<TreeAction>) {
     if response.drag_started() {
         response.dnd_set_drag_payload(item.path.clone());
+    }
+    if (item.kind == ItemKind::Object || item.kind.is_solid())
+        && response.dnd_hover_payload::<DraggedMaterial>().is_some()
+    {
+        let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);
+        ui.painter().rect_stroke(response.rect, 3.0, stroke, egui::StrokeKind::Inside);
+        if let Some(material) = response.dnd_release_payload::<DraggedMaterial>() {
+            actions.push(TreeAction::GiveMaterial(item.path.clone(), (*material).clone()));
+        }
     }
     let Some(dragged) = response.dnd_hover_payload::<Path>() else { return };
     let Some(pointer) = ui.input(|input| input.pointer.hover_pos()) else { return };

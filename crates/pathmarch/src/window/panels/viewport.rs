@@ -77,6 +77,14 @@ impl App {
         if !comparing && !handled {
             self.pointer(ui, picture, &scene, &response);
         }
+        self.drop_material(ui, &response, |app| {
+            let open = app.open.as_ref()?;
+            let at = ui.input(|input| input.pointer.latest_pos())?;
+            let path = open.document.path_of_leaf(pick_at(open, &scene, picture, at)?.leaf)?;
+            let path = owner_of_material(open, path);
+            let rect = bounds_in_window(open, &scene, picture, &path).unwrap_or(picture);
+            (!open.is_locked(&path)).then_some((path, rect))
+        });
         self.fly(ui, &scene, &response);
         let Some(open) = &self.open else { return };
         if open.view.focus_click && response.hovered() {
@@ -273,6 +281,26 @@ fn outline_of(ui: &Ui, picture: Rect, open: &OpenScene, scene: &Scene, node: &No
             }
         }
     }
+}
+
+/// The node that names the material of a shape, or else its object.
+fn owner_of_material(open: &OpenScene, shape: NodePath) -> NodePath {
+    let around = std::iter::successors(Some(shape.clone()), NodePath::parent);
+    let names = |path: &NodePath| open.document.item(path).is_some_and(|item| item.material.is_some());
+    around.clone().find(names).or_else(|| around.last()).unwrap_or(shape)
+}
+
+/// Rectangle around the bounds of a node in the window; `None` if they are infinite or reach behind the camera.
+fn bounds_in_window(open: &OpenScene, scene: &Scene, picture: Rect, node: &NodePath) -> Option<Rect> {
+    let leaves = open.document.leaves_of(node).into_iter().map(|leaf| scene.field.leaf_bounds(leaf));
+    let bounds = leaves.reduce(|all, bounds| all.union(bounds)).filter(|bounds| bounds.is_finite())?;
+    let projection = Projection::new(&open.view.camera, picture);
+    let corner = |k: usize| {
+        let at = |axis: usize| if k >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
+        projection.project(DVec3::from_array([0, 1, 2].map(|axis| f64::from(at(axis)))))
+    };
+    let corners: Vec<Pos2> = (0..8).map(corner).collect::<Option<_>>()?;
+    Some(Rect::from_points(&corners).intersect(picture))
 }
 
 /// Shapes whose bounds have their centre in a rectangle of the window.

@@ -413,6 +413,79 @@ fn a_shared_material_is_copied_and_becomes_a_preset() {
     assert_eq!(person.text(), SCENE);
 }
 
+#[test]
+fn a_sun_is_dragged_on_the_map_of_directions() {
+    let text = format!("{SCENE}sun {{ direction 0 1 0; irradiance 2 }}\n");
+    let mut person = Start::with(&text).go();
+    person.select("sun");
+    let (picture, camera) = (person.picture(), person.open().view.camera.clone());
+    // Straight up is nearly a quarter of the sphere away from the camera, which looks a little down.
+    let radius = 75.0_f32.min(0.22 * picture.width().min(picture.height()));
+    let (y, z): (f32, f32) = (camera.position[1] - camera.target[1], camera.position[2]);
+    let up = picture.center() - Vec2::new(0.0, radius * (z.atan2(y) / std::f32::consts::FRAC_PI_2));
+    let right = picture.center() + Vec2::new(radius, 0.0);
+    person.drag(up, right, PointerButton::Primary, Modifiers::NONE);
+    let Value::Triple([x, y, z]) = person.value("sun", "direction") else { panic!("a direction") };
+    assert!(x > 0.99 && y.abs() < 0.02 && z.abs() < 0.02, "{x} {y} {z}");
+    assert_eq!(person.undo_all(), 1);
+    assert_eq!(person.text(), text);
+    assert!(!person.open().view.is_camera_modified(), "the drag was no orbit");
+}
+
+#[test]
+fn the_exposure_follows_the_picture_until_it_is_set() {
+    let mut person = Person::at_scene();
+    person.rest();
+    person.click("Auto");
+    person.rest();
+    let stops = person.app().live.picture().expect("a picture").exposure_stops;
+    assert!(person.open().view.camera.auto_exposure && stops != 0.0);
+    person.menu("Camera", "Save view to camera");
+    assert!(person.text().contains("fov 40; exposure \"auto\" }"), "{}", person.text());
+    person.rest();
+    person.click("Auto");
+    let camera = &person.open().view.camera;
+    assert_eq!((camera.auto_exposure, camera.exposure), (false, stops), "the picture stays as it is");
+    person.type_number("exposure", "2");
+    person.menu("Camera", "Save view to camera");
+    assert!(person.text().contains("fov 40; exposure 2 }"), "{}", person.text());
+    person.undo_all();
+    assert_eq!(person.text(), SCENE);
+}
+
+#[test]
+fn materials_are_dragged_from_the_palette_onto_shapes() {
+    let mut person = Person::at_scene();
+    person.rest();
+    person.key(Key::F7);
+    person.wait(4);
+    let middle =
+        |person: &Person, label: &str| person.harness.get_by_role_and_label(Role::Button, label).rect().center();
+    let ball = middle_of_ball(&person);
+    let from = middle(&person, "Preset gold");
+    person.drag(from, ball, PointerButton::Primary, Modifiers::NONE);
+    let gold = "material \"gold\" { metal 1 0.78 0.34; roughness 0.2 }";
+    assert!(person.text().contains("object \"ball\" material=\"gold\""), "{}", person.text());
+    assert_eq!(person.text().matches(gold).count(), 1);
+    // Another use of the preset needs no second material.
+    person.select("carved");
+    person.click_role(Role::Button, "Preset gold");
+    assert!(person.text().contains("object \"carved\" material=\"gold\""), "{}", person.text());
+    assert_eq!(person.text().matches(gold).count(), 1);
+    person.undo_all();
+    assert_eq!(person.text(), SCENE);
+    // Onto a row of the tree.
+    let row = person.harness.get_by_role_and_label(Role::TreeItem, "object “floor”").rect().center();
+    let from = middle(&person, "Material red");
+    person.drag(from, row, PointerButton::Primary, Modifiers::NONE);
+    assert!(person.text().contains("object \"floor\" material=\"red\""), "{}", person.text());
+    assert_eq!(person.undo_all(), 1);
+    person.until("the visible balls are rendered", |person| {
+        let [shown, all] = person.app().material_balls.counts();
+        shown == all && all > 4
+    });
+}
+
 /// The byte position on screen of a word of the source text.
 fn place_of(person: &Person, word: &str) -> Pos2 {
     let text = person.text();

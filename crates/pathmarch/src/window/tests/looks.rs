@@ -41,6 +41,11 @@ impl Person {
         // New panels may have resized the viewport.
         if self.app().open.is_some() {
             self.rest();
+            self.until("the balls are rendered", |person| {
+                let [shown, all] = person.app().material_balls.counts();
+                shown == all
+            });
+            self.wait(2);
         }
         // The number of threads depends on the machine.
         let threads = self.harness.query_by_label_contains(" threads)").map(|node| node.rect());

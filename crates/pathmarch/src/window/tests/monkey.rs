@@ -152,12 +152,38 @@ fn hold(person: &mut Person, file: &Path) {
     }
 }
 
+/// Lights with handles, an animated camera, textures with ramps, and hidden objects.
+const LIT_SCENE: &str = r#"pathmarch 1
+camera "main" { position 0 1.2 4.5; target 0 0.6 0; exposure "auto" }
+render { size 48 32; samples 2; bounces 2 }
+sky "day" elevation=30 azimuth=120
+sun { direction 1 2 1; irradiance 2 }
+point { at 1 2 1; lumen 400; colour 1 0.8 0.6 }
+spot { at -1 2 1; target 0 0.5 0; candela 300; cone 50 }
+material "marble" { principled { marble scale=4 { colour 0.1; colour 0.9 0.8 0.7; colour 0.3 } }; roughness { noise from=0.1 to=0.6 } }
+material "lamp" { emit 6 }
+object "ball" material="marble" { sphere 0.6 { at 0 0.6 "0.2*sin(t)" } }
+object "bulb" material="lamp" { sphere 0.1 { at 1 1.4 0 } }
+object "gone" hidden=#true { box 0.3 }
+object "floor" { plane }
+"#;
+
 #[test]
 fn whatever_is_done_nothing_panics_and_undo_returns_the_text() {
-    let mut person = Person::at_scene();
-    let mut random = Random(SEED);
+    go_wild(SCENE, SEED);
+}
+
+#[test]
+fn the_same_with_lights_textures_and_motion() {
+    go_wild(LIT_SCENE, SEED + 1);
+}
+
+/// Does random things with a scene, and undoes them.
+fn go_wild(text: &str, seed: u64) {
+    let mut person = Start::with(text).go();
+    let mut random = Random(seed);
     let file = person.open().path.clone().expect("a file");
-    let mut opened = SCENE.to_owned();
+    let mut opened = text.to_owned();
     let (mut edits, mut mistakes, mut wrong_for, mut revision) = (0, 0, 0, 0);
     for _ in 0..FRAMES {
         let size = person.harness.ctx.content_rect().size();

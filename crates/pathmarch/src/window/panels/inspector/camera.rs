@@ -2,8 +2,7 @@
 
 use crate::window::app::App;
 use egui::{ComboBox, DragValue, Slider, SliderClamping, Ui};
-use pathmarch_render::exposure::suitable_stops;
-use pathmarch_render::pathmarch_scene::settings;
+use pathmarch_render::pathmarch_scene::{Camera, settings};
 
 impl App {
     /// Controls of the view: it starts as the scene's camera and stays separate until it is written to the scene.
@@ -30,8 +29,8 @@ impl App {
             }
         });
         let before = open.view.camera.clone();
+        let shown_stops = self.live.picture().map_or(0.0, |picture| picture.exposure_stops);
         let camera = &mut open.view.camera;
-        let mut auto_exposure = false;
         egui::Grid::new("camera").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
             let label = ui.label("field of view").on_hover_text("Vertical, degrees.");
             ui.add(Slider::new(&mut camera.fov, 5.0..=120.0).suffix("°").clamping(SliderClamping::Never))
@@ -39,10 +38,17 @@ impl App {
             ui.end_row();
             let label = ui.label("exposure").on_hover_text("In stops; affects the display, PNG and JPEG, never EXR.");
             ui.horizontal(|ui| {
-                ui.add(Slider::new(&mut camera.exposure, -6.0..=6.0).suffix(" EV").clamping(SliderClamping::Never))
-                    .labelled_by(label.id);
-                let words = "Choose the exposure that makes the picture of middle brightness.";
-                auto_exposure = ui.button("Auto").on_hover_text(words).clicked();
+                let mut stops =
+                    if camera.auto_exposure { (shown_stops * 10.0).round() / 10.0 } else { camera.exposure };
+                let slider = Slider::new(&mut stops, -6.0..=6.0).suffix(" EV").clamping(SliderClamping::Never);
+                if ui.add(slider).labelled_by(label.id).changed() {
+                    (camera.exposure, camera.auto_exposure) = (stops, false);
+                }
+                let words = "Follow the picture: its mean becomes middle grey.";
+                if ui.toggle_value(&mut camera.auto_exposure, "Auto").on_hover_text(words).clicked() {
+                    // The picture stays as it is when it no longer follows.
+                    camera.exposure = if camera.auto_exposure { 0.0 } else { stops };
+                }
             });
             ui.end_row();
             let label =
@@ -79,6 +85,8 @@ impl App {
         camera.fov = camera.fov.clamp(0.1, 179.0);
         camera.lens_radius = camera.lens_radius.max(0.0);
         camera.exposure = camera.exposure.clamp(settings::EXPOSURE.min, settings::EXPOSURE.max);
+        // The exposure changes nothing but the display.
+        let before = Camera { exposure: camera.exposure, auto_exposure: camera.auto_exposure, ..before };
         if *camera != before {
             open.view.mark_moving();
         }
@@ -95,22 +103,6 @@ impl App {
         }
         if write {
             self.write_camera();
-        }
-        if auto_exposure {
-            self.choose_exposure();
-        }
-    }
-
-    /// Sets the exposure of the view to one that suits the picture.
-    fn choose_exposure(&mut self) {
-        let answer = self.live.film().recv().unwrap_or_else(|_| Err("the renderer has stopped".to_owned()));
-        match (answer.map(|(film, _)| suitable_stops(&film)), &mut self.open) {
-            (Ok(Some(stops)), Some(open)) => {
-                open.view.camera.exposure = stops.clamp(settings::EXPOSURE.min, settings::EXPOSURE.max);
-            }
-            (Ok(None), _) => self.show_message("The picture is black: it needs light."),
-            (Err(why), _) => self.show_message(&format!("No exposure yet: {why}.")),
-            (Ok(Some(_)), None) => {}
         }
     }
 }

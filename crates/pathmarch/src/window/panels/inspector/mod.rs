@@ -65,7 +65,10 @@ impl App {
             }
         });
         if item.kind == ItemKind::Material {
-            self.material_presets(ui, &item.path);
+            ui.horizontal(|ui| {
+                self.ball_of(ui, item.title());
+                self.material_presets(ui, &item.path);
+            });
         }
         self.controls_of(ui, &item.path);
         // Show the material of the object, or the inherited one.
@@ -123,8 +126,13 @@ impl App {
             .id_salt("linked material")
             .default_open(true)
             .show(ui, |ui| {
-                self.shared_material(ui, material, &path, user);
-                self.material_presets(ui, &path);
+                ui.horizontal(|ui| {
+                    self.ball_of(ui, material);
+                    ui.vertical(|ui| {
+                        self.shared_material(ui, material, &path, user);
+                        self.material_presets(ui, &path);
+                    });
+                });
                 self.controls_of(ui, &path);
             });
     }
