@@ -49,6 +49,10 @@ pub struct Settings {
     /// Number of paths that share a camera ray, from 1 to [`MAX_SPLITTING`]; `None` for the number that converges soonest. All
     /// are unbiased. Applies to [`Mode::Path`].
     pub splitting: Option<u32>,
+    /// Whether pixels share the light that their paths find at second surfaces; `None` where the picture then converges
+    /// sooner. Unbiased. Applies to [`Mode::Path`] on the CPU, without `crop` and `clamp`, to scenes without media, bump
+    /// maps and traced or fast caustics.
+    pub path_reuse: Option<bool>,
     /// Pixels to render; the film has only these. `None` for all. For stills; live pictures ignore it.
     pub crop: Option<Rect>,
 }
@@ -130,6 +134,7 @@ impl From<&RenderSettings> for Settings {
             mode: Mode::Path,
             preview_steps: PreviewSteps::default(),
             splitting: None,
+            path_reuse: None,
             crop: None,
         }
     }

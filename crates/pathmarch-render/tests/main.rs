@@ -24,6 +24,7 @@ mod missing_gpu;
 mod modes;
 mod motion;
 mod optimisations;
+mod path_reuse;
 mod reconstruct;
 mod references;
 mod sampling;
@@ -57,6 +58,7 @@ fn main() {
         modes::tests(),
         motion::tests(),
         optimisations::tests(),
+        path_reuse::tests(),
         custom_sdf::tests(),
         denoise::tests(),
         reconstruct::tests(),

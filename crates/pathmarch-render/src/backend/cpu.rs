@@ -97,6 +97,11 @@ impl CpuJob {
         self.input.config.splitting
     }
 
+    /// True if pixels share light.
+    pub(crate) fn reuses_paths(&self) -> bool {
+        self.input.config.path_reuse
+    }
+
     /// Guides, if they are recorded.
     pub(crate) fn guides(&self) -> Option<Arc<Vec<Guide>>> {
         self.guides.clone()

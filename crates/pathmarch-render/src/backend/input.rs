@@ -4,7 +4,7 @@ use crate::integrator::guides::Guide;
 use crate::integrator::photons;
 use crate::integrator::photons::emission::Emission;
 use crate::integrator::splitting::camera_ray_index;
-use crate::integrator::{moments, path, splitting_choice};
+use crate::integrator::{moments, path, path_reuse, splitting_choice};
 use crate::mode::Mode;
 use crate::preview::{self, Preview};
 use crate::ray_stats::RayCounters;
@@ -99,6 +99,16 @@ impl RenderInput {
             self.config.splitting =
                 splitting_choice::best_splitting(&self.scene, &self.frame, &self.config, samples, in_lanes);
         }
+    }
+
+    /// Lets pixels share light if the settings ask for it, or if the picture then converges sooner.
+    pub(crate) fn choose_path_reuse(&mut self, settings: &Settings, samples: u32) {
+        let is_possible = self.mode == Mode::Path
+            && settings.crop.is_none()
+            && settings.clamp.is_none()
+            && path_reuse::is_possible(&self.scene, &self.config);
+        self.config.path_reuse = is_possible
+            && settings.path_reuse.unwrap_or_else(|| path_reuse::pays(&self.scene, &self.frame, &self.config, samples));
     }
 
     /// Context of the picture's rays on the CPU.

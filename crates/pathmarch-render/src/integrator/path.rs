@@ -27,6 +27,7 @@ use super::media_segment::{self, Vertex};
 use super::medium::transmittance;
 use super::nested_dielectrics::refracting_parameters;
 use super::participating_media::medium_after;
+use super::path_reuse::PathReuse;
 use super::path_state::{Path, clamped, escaped_radiance};
 use super::shadow::{self, ShadowTest};
 use super::splitting::camera_ray_index;
@@ -50,11 +51,12 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
     let ray_index = camera_ray_index(first, ctx.config.splitting);
     let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, ray_index)).collect();
     let rays = camera_rays(ctx.frame, pixels, &samplers).into_iter().zip(samplers);
-    if ctx.config.splitting == 1 {
-        return radiance_along(ctx, rays);
-    }
+    let mut reuse = ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples, ray_index));
     let (mut paths, mut radiance) = start_paths(ctx, rays);
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, None);
+    if ctx.config.splitting == 1 {
+        return continue_paths(ctx, paths, vertices, radiance, None, reuse.as_mut());
+    }
     let radiance = radiance.iter().flat_map(|&value| repeat_n(value, samples as usize)).collect();
     let split_paths = paths.iter().flat_map(|path| {
         (0..samples).map(|k| {
@@ -63,7 +65,7 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
         })
     });
     let vertices = vertices.into_iter().flat_map(|vertex| repeat_n(vertex, samples as usize)).collect();
-    continue_paths(ctx, split_paths.collect(), vertices, radiance, None)
+    continue_paths(ctx, split_paths.collect(), vertices, radiance, None, reuse.as_mut())
 }
 
 /// Radiance of one sample of each of these pixels, which do not share camera rays, and their guides.
@@ -73,7 +75,7 @@ pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sampl
     let mut recorder = GuideRecorder::new(ctx, rays.clone());
     let (mut paths, mut radiance) = start_paths(ctx, rays.into_iter().zip(samplers));
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, Some(&mut recorder));
-    let radiance = continue_paths(ctx, paths, vertices, radiance, Some(&mut recorder));
+    let radiance = continue_paths(ctx, paths, vertices, radiance, Some(&mut recorder), None);
     (radiance, recorder.into_guides())
 }
 
@@ -81,7 +83,7 @@ pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sampl
 pub(crate) fn radiance_along(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> Vec<Vec3> {
     let (mut paths, mut radiance) = start_paths(ctx, rays);
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, None);
-    continue_paths(ctx, paths, vertices, radiance, None)
+    continue_paths(ctx, paths, vertices, radiance, None, None)
 }
 
 /// Starts a path with each of these rays. Returns the paths and the radiance of each so far.
@@ -118,6 +120,7 @@ fn continue_paths(
     mut vertices: Vec<Vertex>,
     mut radiance: Vec<Vec3>,
     mut recorder: Option<&mut GuideRecorder>,
+    mut reuse: Option<&mut PathReuse>,
 ) -> Vec<Vec3> {
     for surface_index in 0.. {
         if paths.is_empty() {
@@ -127,6 +130,12 @@ fn continue_paths(
             for (path, vertex) in paths.iter().zip(&vertices) {
                 let Vertex::Surface(interaction) = vertex else { continue };
                 recorder.record(ctx, path.slot, path.throughput, interaction, surface_index);
+            }
+        }
+        if let Some(reuse) = reuse.as_mut().filter(|_| surface_index < 2) {
+            for (path, vertex) in paths.iter_mut().zip(&vertices) {
+                let Vertex::Surface(interaction) = vertex else { continue };
+                reuse.record(ctx, path, interaction, surface_index, &mut radiance);
             }
         }
         let mut shadow_tests = Vec::with_capacity(paths.len());
@@ -148,6 +157,9 @@ fn continue_paths(
             radiance[slot] += clamped(ctx, direct_light, surface_index);
         }
         vertices = intersect_paths(ctx, &mut paths, surface_index + 1, &mut radiance, recorder.as_deref_mut());
+    }
+    if let Some(reuse) = reuse {
+        reuse.share(ctx, &mut radiance);
     }
     radiance
 }

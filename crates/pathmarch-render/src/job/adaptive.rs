@@ -95,7 +95,7 @@ impl Step {
 
 impl Renderer {
     /// Starts a picture of one moment in which every tile of 32 by 32 pixels has an estimated relative error below `noise`. The
-    /// settings' `samples` are the largest number for a pixel, `first_sample` and `splitting` are ignored.
+    /// settings' `samples` are the largest number for a pixel, `first_sample`, `splitting` and `path_reuse` are ignored.
     ///
     /// # Errors
     /// Those of [`start`](Self::start), and [`RenderError::Settings`] if the mode is not [`Mode::Path`] or `noise` is not from
@@ -109,8 +109,14 @@ impl Renderer {
         }
         // Both halves have at least one sample.
         let most = settings.samples.max(2) & !1;
-        let whole =
-            Settings { first_sample: 0, whole_samples: None, splitting: Some(1), samples: most, ..settings.clone() };
+        let whole = Settings {
+            first_sample: 0,
+            whole_samples: None,
+            splitting: Some(1),
+            path_reuse: Some(false),
+            samples: most,
+            ..settings.clone()
+        };
         let renderer = self.settled(scene, &whole, &RenderInput::new(scene, &whole));
         let start = |change: u32, mode, samples| {
             renderer.trace(scene, &Settings { seed: whole.seed ^ change, mode, samples, ..whole.clone() })

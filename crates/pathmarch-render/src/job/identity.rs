@@ -59,6 +59,7 @@ impl Job {
             ("detail", settings.detail.to_string()),
             ("direct lighting", format!("{:?}", settings.direct_lighting)),
             ("splitting", self.splitting().to_string()),
+            ("path reuse", self.reuses_paths().to_string()),
         ])
     }
 

@@ -200,8 +200,10 @@ impl Renderer {
                 Err(error) => return Err(error),
             }
         }
-        if settings.splitting.is_none() {
-            input.choose_splitting(settings.whole_samples.unwrap_or(settings.samples), false);
+        let samples = settings.whole_samples.unwrap_or(settings.samples);
+        input.choose_path_reuse(settings, samples);
+        if settings.splitting.is_none() && !input.config.path_reuse {
+            input.choose_splitting(samples, false);
         }
         let job = CpuJob::new(input, settings.first_sample).cropped(settings.rect());
         Ok((Tracer::Cpu(Box::new(job)), BackendInfo::cpu(notice)))

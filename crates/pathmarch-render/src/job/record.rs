@@ -52,6 +52,11 @@ impl Job {
         }
     }
 
+    /// True if pixels share light, see [`Settings::path_reuse`](crate::Settings::path_reuse).
+    pub fn reuses_paths(&self) -> bool {
+        matches!(&self.work, Work::Still(super::tracer::Tracer::Cpu(job)) if job.reuses_paths())
+    }
+
     fn is_whole(&self) -> bool {
         match &self.work {
             Work::Still(tracer) => tracer.is_whole(),

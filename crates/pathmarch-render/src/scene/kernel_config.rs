@@ -62,6 +62,8 @@ pub(crate) struct KernelConfig {
     pub(crate) relaxation: f32,
     /// Paths that share a camera ray.
     pub(crate) splitting: u32,
+    /// Pixels share the light at second surfaces, see [`path_reuse`](crate::integrator::path_reuse).
+    pub(crate) path_reuse: bool,
     /// Grazing rays use a smaller hit tolerance. True where some sphere-traced object emits and none is a fractal,
     /// because the tolerance enlarges every emitter.
     pub(crate) refined_grazing: bool,
@@ -99,6 +101,7 @@ impl KernelConfig {
             direct_lighting: settings.direct_lighting,
             relaxation: RELAXATION,
             splitting: if settings.mode == Mode::Path { settings.splitting.unwrap_or(1) } else { 1 },
+            path_reuse: false,
             refined_grazing: scene.has_sphere_traced_emitter(),
         }
     }

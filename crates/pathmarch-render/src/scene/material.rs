@@ -11,7 +11,8 @@ shared_struct! {
     pub(crate) struct MaterialRecord as Material {
         /// Emitted radiance, W/(m² sr).
         pub(crate) emission: [f32; 3],
-        /// Flags [`EMITS`], [`DELTA`], [`TRANSMITS`], [`GLOSSY`], [`GLOWS`], [`DISPERSES`], [`BOUNDARY`] and [`FOCUSES`].
+        /// Flags [`EMITS`], [`DELTA`], [`TRANSMITS`], [`GLOSSY`], [`GLOWS`], [`DISPERSES`], [`BOUNDARY`], [`FOCUSES`] and
+        /// [`LAMBERTIAN`].
         pub(crate) flags: u32,
         /// Absorption coefficient of the solid, per metre.
         pub(crate) absorption: [f32; 3],
@@ -39,6 +40,8 @@ shared_constants! {
     pub(crate) const BOUNDARY: u32 = 64;
     /// Surface that throws caustics: clear or slightly frosted glass, and mirrors or slightly rough metal.
     pub(crate) const FOCUSES: u32 = 128;
+    /// Lambertian BSDF.
+    pub(crate) const LAMBERTIAN: u32 = 256;
 }
 
 /// Clear glass. Shadow rays of fast caustics pass through it.
@@ -56,6 +59,7 @@ impl MaterialRecord {
                 all_parameters.push(parameters);
             }
             flags |= flag_if(DELTA, all_parameters.iter().all(bsdf.is_delta))
+                | flag_if(LAMBERTIAN, bsdf.is_lambertian)
                 | flag_if(FOCUSES, all_parameters.iter().all(bsdf.focuses))
                 | flag_if(TRANSMITS, all_parameters.iter().any(bsdf.transmits))
                 | flag_if(DISPERSES, bsdf.at_wavelength.is_some_and(|at| at(&parameters, 1.0) != parameters));

@@ -37,6 +37,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             parameters
         },
         is_delta: |_| false,
+        is_lambertian: true,
         focuses: |_| false,
         transmits: |_| false,
         chooses_lobes: false,

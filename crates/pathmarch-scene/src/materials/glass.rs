@@ -106,6 +106,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             parameters
         },
         is_delta: |parameters| parameters[3] < MIRROR_ALPHA,
+        is_lambertian: false,
         focuses: |parameters| parameters[3] <= FOCUSING_ALPHA,
         transmits: |_| true,
         chooses_lobes: true,

@@ -27,6 +27,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     bsdf: Some(&Bsdf {
         pack: |_| BsdfParameters::default(),
         is_delta: |_| true,
+        is_lambertian: false,
         focuses: |_| false,
         transmits: |_| true,
         chooses_lobes: false,

@@ -183,6 +183,8 @@ pub struct Bsdf {
     pub pack: fn(values: &[[f32; 3]]) -> BsdfParameters,
     /// True if it scatters in single directions only, for which [`eval`](Self::eval) returns zero.
     pub is_delta: fn(&BsdfParameters) -> bool,
+    /// True if it reflects the same radiance in every direction, and is sampled by the cosine.
+    pub is_lambertian: bool,
     /// True if all its light stays close to the specular directions, so that it throws caustics.
     pub focuses: fn(&BsdfParameters) -> bool,
     /// True if light passes to the other side.

@@ -73,6 +73,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     bsdf: Some(&Bsdf {
         pack,
         is_delta: |_| false,
+        is_lambertian: false,
         focuses: |_| false,
         transmits: |parameters| parameters[TRANSMISSION] * (1.0 - parameters[METALLIC]) > 0.0,
         chooses_lobes: true,

@@ -34,6 +34,14 @@ fn parse_exposure(text: &str) -> Result<Exposure, String> {
     value_parsers::number(settings::EXPOSURE)(text).map(Exposure::Stops).map_err(|error| format!("{error}, or auto"))
 }
 
+fn parse_switch(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err("use on or off".to_owned()),
+    }
+}
+
 #[derive(Clone, clap::Args)]
 pub struct Arguments {
     /// Scene files; - for standard input, or the name of an example of the gallery
@@ -73,6 +81,9 @@ pub struct Arguments {
     /// Paths per camera ray, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     pub(super) splitting: Option<u32>,
+    /// Pixels share light that their paths find, on the CPU: on or off [default: on where the picture then converges sooner]
+    #[arg(long, value_name = "on|off", value_parser = parse_switch)]
+    pub(super) path_reuse: Option<bool>,
     /// Exposure of PNG and JPEG in stops, -100 to 100; or auto, which suits the picture [default: the camera's]
     #[arg(long, value_name = "EV", value_parser = parse_exposure, allow_hyphen_values = true)]
     pub(super) exposure: Option<Exposure>,
@@ -257,7 +268,8 @@ impl Arguments {
             settings.preview_steps.set(*step, false);
         }
         let (first_sample, seed, splitting, crop) = (self.first_sample, self.seed, self.splitting, self.crop);
-        let whole = Settings { first_sample, seed, camera, mode, splitting, crop, ..settings };
+        let path_reuse = self.path_reuse;
+        let whole = Settings { first_sample, seed, camera, mode, splitting, path_reuse, crop, ..settings };
         let Some(range) = self.render.sample_range() else { return Ok(whole) };
         Ok(Settings {
             first_sample: range.start,
@@ -335,6 +347,7 @@ impl Arguments {
                 (self.first_sample > 0, "--first-sample"),
                 (self.render.sample_range().is_some(), "a range of --samples"),
                 (self.splitting.is_some(), "--splitting"),
+                (self.path_reuse.is_some(), "--path-reuse"),
                 (film, "a .film"),
             ];
             if let Some((_, name)) = excluded.into_iter().find(|(given, _)| *given) {

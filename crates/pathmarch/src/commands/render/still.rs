@@ -184,6 +184,7 @@ impl Task<'_> {
             first_sample: first + before,
             samples: settings.samples - before,
             whole_samples: Some(settings.whole_samples.unwrap_or(settings.samples)),
+            path_reuse: Some(job.reuses_paths()),
             splitting: Some(job.splitting()).filter(|_| settings.mode.traces_paths()).or(settings.splitting),
             ..settings.clone()
         };

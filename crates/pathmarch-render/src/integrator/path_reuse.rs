@@ -1,0 +1,309 @@
+//! Path reuse: pixels share the light that their paths find at second surfaces (Bekaert, Sbert and Halton 2002,
+//! "Accelerating Path Tracing by Re-Using Paths").
+//!
+//! **Idea.** Where the first two surfaces of a path are Lambertian, the radiance that leaves the second one is the same
+//! in all directions. So the camera hits of other pixels can be connected with it, at the price of a shadow ray each. A
+//! path is one of those of a group of pixels in a tile of 8 by 8. Let gₘ be the density over area with which pixel m
+//! samples the second surface of a path: cosine/π over solid angle, and zero if it is not visible. By the balance
+//! heuristic, pixel j receives of this path albedoⱼ x radiance x gⱼ / Σₘ gₘ. So the weights of a path add up to one:
+//! its radiance is only distributed, and the estimator is unbiased.
+//!
+//! **Groups.** A pixel of the tile is a pair (x, y) of elements of the field of eight elements. A group is a line
+//! y = cx + d, or x = d. The slope is one of nine, by chance for each tile and sample, and two pixels are on a common
+//! line for one of the nine. So noise is not the same in the pixels of a tile.
+
+use super::path;
+use super::path_state::Path;
+use crate::intersect::march::march;
+use crate::intersect::ray::{Ray, RaySegment};
+use crate::metrics::RELMSE_EPSILON;
+use crate::ray_stats::RayCounters;
+use crate::sampling::sobol::hash;
+use crate::scene::material::{GLOWS, LAMBERTIAN};
+use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
+use crate::shading::surface_interaction::SurfaceInteraction;
+use crate::shading::textured_point::TexturedPoint;
+use glam::Vec3;
+use pathmarch_scene::Sampler;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::f32::consts::PI;
+
+/// Edge length of the tiles that groups are in, and pixels of a group.
+const GROUP: u32 = 8;
+/// Number of slopes of groups.
+const SLOPES: u32 = 9;
+
+/// Columns and rows of tiles that a probe renders.
+const PROBE_GRID: [u32; 2] = [8, 4];
+/// Samples of the probe.
+const PROBE_SAMPLES: u32 = 6;
+/// Smallest number of paths of a picture for each path of the probe.
+const MIN_PATHS_PER_PROBE_PATH: f64 = 100.0;
+/// Cost of an evaluation of the field relative to a ray and its shading.
+const EVALUATION_COST: f64 = 0.25;
+/// Smallest relative reduction of the error that justifies sharing, because the noise of neighbours is related.
+const MIN_GAIN: f64 = 0.2;
+/// Largest relative variance of a pixel of the probe, so that none dominates.
+const MAX_VARIANCE: f64 = 10.0;
+
+/// True in scenes where some surface is Lambertian, and nothing but the geometry decides what one sees of another.
+pub(crate) fn is_possible(scene: &RenderScene, config: &KernelConfig) -> bool {
+    let is_plain = !config.media && !config.shading_normals && !config.fast_caustics && !config.traced_caustics;
+    is_plain && scene.materials.iter().any(|material| material.has(LAMBERTIAN))
+}
+
+/// True if a picture with this number of samples a pixel converges sooner with path reuse, by a few thousand of its paths. Counts
+/// operations and measures no time, so that the same picture always decides in the same way.
+pub(crate) fn pays(scene: &RenderScene, frame: &FrameUniforms, config: &KernelConfig, samples: u32) -> bool {
+    let [width, height] = frame.size();
+    let probe_paths = 2 * PROBE_SAMPLES * PROBE_GRID[0] * PROBE_GRID[1] * GROUP * GROUP;
+    let paths = f64::from(width) * f64::from(height) * f64::from(samples);
+    if paths < MIN_PATHS_PER_PROBE_PATH * f64::from(probe_paths) || width.min(height) < GROUP {
+        return false;
+    }
+    // The probe uses other random numbers than the picture, and independent ones.
+    let frame = FrameUniforms { seed: hash(frame.seed), sampler: Sampler::Independent as u32, ..*frame };
+    let error = |path_reuse: bool| {
+        let config = KernelConfig { path_reuse, splitting: 1, ..*config };
+        let counters = RayCounters::default();
+        let ctx = TraceContext { scene, frame: &frame, config: &config, stats: Some(&counters), photons: None };
+        let tiles = (0..PROBE_GRID[0] * PROBE_GRID[1]).into_par_iter();
+        let variance: f64 = tiles.map(|tile| probe(&ctx, tile)).collect::<Vec<_>>().iter().sum();
+        let total = counters.total();
+        variance * (total.rays as f64 + EVALUATION_COST * total.evaluations as f64)
+    };
+    error(true) < (1.0 - MIN_GAIN) * error(false)
+}
+
+/// Variance of the pixels of a tile of the probe, relative to their means as in relMSE and summed.
+fn probe(ctx: &TraceContext, tile: u32) -> f64 {
+    let [width, height] = ctx.frame.size();
+    let corner = |cell: u32, cells: u32, length: u32| {
+        let tiles = length / GROUP;
+        (tiles * (2 * cell + 1) / (2 * cells)).min(tiles - 1) * GROUP
+    };
+    let left = corner(tile % PROBE_GRID[0], PROBE_GRID[0], width);
+    let top = corner(tile / PROBE_GRID[0], PROBE_GRID[1], height);
+    let pixels: Vec<(u32, u32)> = (top..top + GROUP).flat_map(|y| (left..left + GROUP).map(move |x| (x, y))).collect();
+    let values: Vec<Vec<Vec3>> = (0..PROBE_SAMPLES).map(|sample| path::trace(ctx, &pixels, sample, 1)).collect();
+    let count = f64::from(PROBE_SAMPLES);
+    let mut total = 0.0;
+    for pixel in 0..pixels.len() {
+        for channel in 0..3 {
+            let components = || values.iter().map(|sample| f64::from(sample[pixel][channel]));
+            let mean = components().sum::<f64>() / count;
+            let variance = components().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+            let relative = variance / (mean * mean + RELMSE_EPSILON);
+            // Ignore values that are not finite.
+            total += if relative.is_finite() { relative.min(MAX_VARIANCE) } else { 0.0 };
+        }
+    }
+    total
+}
+
+/// Camera hit of a pixel on a Lambertian surface.
+#[derive(Clone, Copy)]
+struct FirstSurface {
+    /// Origin of rays that leave the surface.
+    origin: Vec3,
+    /// Unit normal on the side of the camera.
+    normal: Vec3,
+    albedo: Vec3,
+    /// Length of the path, metres.
+    length: f32,
+}
+
+/// Second surface of a path, Lambertian too.
+#[derive(Clone, Copy)]
+struct SecondSurface {
+    /// Origin of rays that leave the surface.
+    origin: Vec3,
+    /// Unit normal on the side of the first surface.
+    normal: Vec3,
+    /// Radiance of the path without that which leaves this surface.
+    radiance: Vec3,
+}
+
+/// Surfaces of the paths of a set of pixels, being recorded.
+pub(super) struct PathReuse<'a> {
+    pixels: &'a [(u32, u32)],
+    /// Paths of a pixel.
+    samples: usize,
+    /// Index of the camera ray.
+    ray_index: u32,
+    /// For each pixel.
+    first: Vec<Option<FirstSurface>>,
+    /// For each path.
+    second: Vec<Option<SecondSurface>>,
+}
+
+impl<'a> PathReuse<'a> {
+    pub(super) fn new(pixels: &'a [(u32, u32)], samples: u32, ray_index: u32) -> Self {
+        let paths = pixels.len() * samples as usize;
+        Self {
+            pixels,
+            samples: samples as usize,
+            ray_index,
+            first: vec![None; pixels.len()],
+            second: vec![None; paths],
+        }
+    }
+
+    /// Records the first or second surface of a path before it is shaded. From the second surface on, the path has the
+    /// radiance that leaves this surface.
+    pub(super) fn record(
+        &mut self,
+        ctx: &TraceContext,
+        path: &mut Path,
+        interaction: &SurfaceInteraction,
+        surface_index: u32,
+        radiance: &mut [Vec3],
+    ) {
+        let leaf = &ctx.scene.leaves[interaction.leaf];
+        let material = &ctx.scene.materials[leaf.material as usize];
+        if !material.has(LAMBERTIAN) || material.has(GLOWS) || surface_index > ctx.frame.bounces {
+            return;
+        }
+        let (origin, normal) = (interaction.p + interaction.normal_offset, interaction.normal);
+        let pixel = path.slot / self.samples;
+        if surface_index > 0 {
+            if self.first[pixel].is_some() {
+                self.second[path.slot] = Some(SecondSurface { origin, normal, radiance: radiance[path.slot] });
+                radiance[path.slot] = Vec3::ZERO;
+                path.throughput = Vec3::ONE;
+            }
+        } else if path.medium.absorption == Vec3::ZERO && self.first[pixel].is_none() {
+            let textured = TexturedPoint::new(ctx, interaction, path.length);
+            let textured = textured.map(|textured| textured.parameters(&material.parameters));
+            let [r, g, b, ..] = textured.unwrap_or(material.parameters);
+            let albedo = Vec3::new(r, g, b);
+            self.first[pixel] = Some(FirstSurface { origin, normal, albedo, length: path.length });
+        }
+    }
+
+    /// Shares the radiance that leaves the second surfaces among the paths of each group.
+    pub(super) fn share(&self, ctx: &TraceContext, radiance: &mut [Vec3]) {
+        let mut groups: BTreeMap<(u32, u32, u32), Vec<usize>> = BTreeMap::new();
+        for (k, &(x, y)) in self.pixels.iter().enumerate().filter(|(k, _)| self.first[*k].is_some()) {
+            groups.entry(group_of(x, y, self.ray_index)).or_default().push(k);
+        }
+        let groups: Vec<Vec<usize>> = groups.into_values().collect();
+        // Pairs of a pixel and a path of another pixel of its group, with the density without visibility.
+        let mut densities = Vec::new();
+        let mut segments = Vec::new();
+        for group in &groups {
+            for &pixel in group {
+                let Some(first) = self.first[pixel] else { continue };
+                for path in self.paths_of(group) {
+                    let Some(second) = self.second[path] else { continue };
+                    let density = density(&first, &second);
+                    if density > 0.0 && path / self.samples != pixel {
+                        let offset = second.origin - first.origin;
+                        let distance = offset.length();
+                        let ray = Ray { origin: first.origin, direction: offset / distance };
+                        segments.push(RaySegment { ray, path_length: first.length, limit: distance });
+                    }
+                    densities.push(density);
+                }
+            }
+        }
+        let mut hits = march(ctx, &segments).into_iter();
+        let mut densities = densities.into_iter();
+        for group in &groups {
+            let paths: Vec<usize> = self.paths_of(group).filter(|path| self.second[*path].is_some()).collect();
+            let mut seen = Vec::with_capacity(group.len() * paths.len());
+            for &pixel in group {
+                for &path in &paths {
+                    let density = densities.next().unwrap_or_default();
+                    let is_own = path / self.samples == pixel;
+                    // A path has found its own second surface.
+                    seen.push(match () {
+                        () if is_own => density.max(f32::MIN_POSITIVE),
+                        () if density > 0.0 && hits.next().is_some_and(|hit| hit.is_none()) => density,
+                        () => 0.0,
+                    });
+                }
+            }
+            let mut shared = vec![Vec3::ZERO; group.len()];
+            for (k, &path) in paths.iter().enumerate() {
+                let column = || seen[k..].iter().step_by(paths.len());
+                let total: f32 = column().sum();
+                for (sum, density) in shared.iter_mut().zip(column()) {
+                    *sum += radiance[path] * (density / total);
+                }
+            }
+            for (&pixel, shared) in group.iter().zip(shared) {
+                let Some(first) = self.first[pixel] else { continue };
+                let shared = first.albedo * shared / self.samples as f32;
+                for path in pixel * self.samples..(pixel + 1) * self.samples {
+                    let before = self.second[path].map(|second| second.radiance);
+                    radiance[path] = before.unwrap_or(radiance[path]) + shared;
+                }
+            }
+        }
+    }
+
+    /// Paths of these pixels.
+    fn paths_of(&self, group: &[usize]) -> impl Iterator<Item = usize> + use<'_> {
+        let samples = self.samples;
+        let group = group.to_vec();
+        group.into_iter().flat_map(move |pixel| pixel * samples..(pixel + 1) * samples)
+    }
+}
+
+/// Density over area with which a camera hit samples a second surface that it sees.
+fn density(first: &FirstSurface, second: &SecondSurface) -> f32 {
+    let offset = second.origin - first.origin;
+    let square = offset.length_squared();
+    let cosines = (offset.dot(first.normal).max(0.0)) * (-offset.dot(second.normal)).max(0.0);
+    if square > 0.0 { cosines / (PI * square * square) } else { 0.0 }
+}
+
+/// Product in the field of eight elements, with the polynomial x³ + x + 1.
+fn product(a: u32, b: u32) -> u32 {
+    let twice = |a: u32| (a << 1) ^ (if a & 4 != 0 { 0b1011 } else { 0 });
+    let (a2, a4) = (twice(a), twice(twice(a)));
+    (if b & 1 != 0 { a } else { 0 }) ^ (if b & 2 != 0 { a2 } else { 0 }) ^ (if b & 4 != 0 { a4 } else { 0 })
+}
+
+/// Tile of a pixel, and the group within the tile.
+fn group_of(x: u32, y: u32, ray_index: u32) -> (u32, u32, u32) {
+    let (tile_x, tile_y) = (x / GROUP, y / GROUP);
+    let slope = hash(ray_index ^ hash(tile_x ^ hash(tile_y))) % SLOPES;
+    let (x, y) = (x % GROUP, y % GROUP);
+    (tile_x, tile_y, if slope < GROUP { y ^ product(slope, x) } else { x })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// Groups of the pixels of the first tile for a camera ray.
+    fn groups(ray_index: u32) -> Vec<BTreeSet<(u32, u32)>> {
+        let mut groups = vec![BTreeSet::new(); GROUP as usize];
+        for (x, y) in (0..GROUP).flat_map(|y| (0..GROUP).map(move |x| (x, y))) {
+            let (tile_x, tile_y, group) = group_of(x, y, ray_index);
+            assert_eq!((tile_x, tile_y), (0, 0));
+            groups[group as usize].insert((x, y));
+        }
+        groups
+    }
+
+    #[test]
+    fn two_pixels_of_a_tile_are_in_one_group_for_one_slope() {
+        let mut partitions: Vec<_> = (0..200).map(groups).collect();
+        partitions.sort();
+        partitions.dedup();
+        assert_eq!(partitions.len(), SLOPES as usize);
+        assert!(partitions.iter().flatten().all(|group| group.len() == GROUP as usize));
+        let pixels: Vec<_> = (0..GROUP).flat_map(|y| (0..GROUP).map(move |x| (x, y))).collect();
+        for a in &pixels {
+            for b in pixels.iter().filter(|b| *b != a) {
+                let common = partitions.iter().flatten().filter(|group| group.contains(a) && group.contains(b));
+                assert_eq!(common.count(), 1, "{a:?} and {b:?}");
+            }
+        }
+    }
+}

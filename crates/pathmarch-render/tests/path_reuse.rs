@@ -1,0 +1,113 @@
+//! Path reuse: pixels that share light show the same picture, where it pays with less noise, and every sample counts once.
+
+use crate::common::{cpu, parse, render};
+use pathmarch_render::Settings;
+use pathmarch_render::image::Picture;
+use pathmarch_render::metrics::{mean_colour, relmse};
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_testing::{plain, tests};
+
+/// Room with Lambertian and other surfaces, one of them black in blue, a textured one, one that glows, corners, a
+/// sphere-traced object, and a lamp in sight.
+const ROOM: &str = r#"pathmarch 1
+camera { position 0 1 2.8; target 0 0.9 0; fov 50 }
+render { bounces 5 }
+sky 0.1 0.1 0.2
+material "white" { diffuse 0.7 }
+material "red" { diffuse 0.6 0.1 0 }
+material "tiles" { diffuse { checker size=0.4 { colour 0.2; colour 0.8 0.7 0.5 } } }
+material "glowing" { diffuse 0.5; emission 0.3 0.1 0 }
+material "metal" { metal 0.9 0.7 0.4; roughness 0.4 }
+material "glass" { glass 0.95 }
+material "lamp" { emit 9 8 6 }
+object "floor" material="tiles" { plane }
+object "back" material="white" { rect 4 4 { normal 0 0 1; at 0 1 -1.2 } }
+object "left" material="red" { rect 4 4 { normal 1 0 0; at -1.2 1 0 } }
+object "right" material="glowing" { rect 4 4 { normal -1 0 0; at 1.2 1 0 } }
+object "metal" material="metal" { sphere 0.4 { at -0.5 0.4 -0.3 } }
+object "glass" material="glass" { box 0.4 0.8 0.4 { at 0.4 0.4 -0.2; rotate 0 30 0 } }
+object "ring" material="red" { torus 0.3 0.08 { at 0 1.3 -0.6; rotate 70 0 0 } }
+object "lamp" material="lamp" { sphere 0.15 { at 0.7 1.7 0 } }
+"#;
+
+/// Closed white room with a small lamp.
+const CLOSED: &str = r#"pathmarch 1
+camera { position 0 1 0.9; target 0 1 -1; fov 60 }
+render { bounces 6 }
+material "white" { diffuse 0.8 }
+material "lamp" { emit 20 }
+object "room" material="white" { box 2 2 2 { at 0 1 0 } }
+object "block" material="white" { box 0.5 0.7 0.5 { rotate 0 30 0; at -0.3 0.35 -0.4 } }
+object "lamp" material="lamp" { sphere 0.1 { at 0.6 1.7 0.5 } }
+"#;
+
+fn settings(scene: &Scene, samples: u32, seed: u32, path_reuse: bool) -> Settings {
+    // Not a multiple of the tiles' size.
+    let size = [61, 37];
+    Settings { size, samples, seed, splitting: Some(1), path_reuse: Some(path_reuse), ..Settings::of(scene) }
+}
+
+fn pictures_are_the_same() {
+    let scene = parse(ROOM);
+    let picture = |seed, path_reuse| render(&cpu(), &scene, &settings(&scene, 4096, seed, path_reuse)).mean();
+    let reference = picture(1, false);
+    let error = |picture: &Picture| relmse(picture, &reference).expect("equal sizes");
+    let (noise, with) = (error(&picture(2, false)), picture(3, true));
+    assert!(error(&with) < 1.3 * noise, "{:.2e}, without {noise:.2e}", error(&with));
+    for (mean, expected) in mean_colour(&with).iter().zip(&mean_colour(&reference)) {
+        assert!((mean / expected - 1.0).abs() < 2e-3, "{mean} is not {expected}");
+    }
+}
+
+fn closed_rooms_have_less_noise() {
+    let scene = parse(CLOSED);
+    let picture = |samples, seed, path_reuse| {
+        let settings = Settings { size: [192, 108], ..settings(&scene, samples, seed, path_reuse) };
+        render(&cpu(), &scene, &settings).mean()
+    };
+    let reference = picture(256, 1, true);
+    let error = |picture: &Picture| relmse(picture, &reference).expect("equal sizes");
+    let (without, with) = (error(&picture(8, 2, false)), error(&picture(8, 3, true)));
+    assert!(with < 0.4 * without, "{with:.2e}, without {without:.2e}");
+}
+
+fn splitting_and_ranges_of_samples_go_together() {
+    let scene = parse(ROOM);
+    let whole = Settings { splitting: Some(3), ..settings(&scene, 26, 0, true) };
+    let film = render(&cpu(), &scene, &whole);
+    let mut parts = render(&cpu(), &scene, &Settings { samples: 19, ..whole.clone() });
+    parts
+        .add(&render(&cpu(), &scene, &Settings { first_sample: 19, samples: 7, ..whole.clone() }))
+        .expect("equal sizes");
+    assert_eq!(film.samples, parts.samples);
+    for (a, b) in film.sums.iter().flatten().zip(parts.sums.iter().flatten()) {
+        assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{a} {b}");
+    }
+    let picture = |settings: &Settings| render(&cpu(), &scene, settings).mean();
+    let reference = picture(&settings(&scene, 4096, 1, false));
+    let error = |settings: &Settings| relmse(&picture(settings), &reference).expect("equal sizes");
+    let split = error(&Settings { samples: 1024, ..whole.clone() });
+    let plain = error(&settings(&scene, 1024, 2, false));
+    assert!(split < 1.3 * plain, "{split:.2e}, without {plain:.2e}");
+}
+
+fn pictures_decide_for_themselves() {
+    let scene = parse(CLOSED);
+    let starts = |settings: Settings| cpu().start(&scene, &settings).expect("starts").reuses_paths();
+    let large = Settings { size: [640, 360], samples: 256, ..Settings::of(&scene) };
+    assert!(starts(large.clone()));
+    assert!(!starts(Settings { path_reuse: Some(false), ..large.clone() }));
+    // Too small for the probe to pay; a clamp and a crop exclude it.
+    assert!(!starts(Settings { size: [32, 18], ..large.clone() }));
+    assert!(!starts(Settings { clamp: Some(4.0), path_reuse: Some(true), ..large.clone() }));
+    let open = parse(
+        "pathmarch 1\ncamera { position 0 1 4; target 0 0 0 }\nsky 1\nmaterial \"a\" { diffuse 0.5 }\nobject \"ball\" material=\"a\" { sphere 1 }\n",
+    );
+    let alone = Settings { size: [640, 360], samples: 256, ..Settings::of(&open) };
+    assert!(!cpu().start(&open, &alone).expect("starts").reuses_paths(), "a ball alone sees no other surface");
+}
+
+tests! {
+    plain: [splitting_and_ranges_of_samples_go_together, pictures_decide_for_themselves],
+    plain slow: [pictures_are_the_same, closed_rooms_have_less_noise],
+}
