@@ -236,9 +236,9 @@ impl<'a> PathReuse<'a> {
             for (&pixel, shared) in group.iter().zip(shared) {
                 let Some(first) = self.first[pixel] else { continue };
                 let shared = first.albedo * shared / self.samples as f32;
-                for path in pixel * self.samples..(pixel + 1) * self.samples {
-                    let before = self.second[path].map(|second| second.radiance);
-                    radiance[path] = before.unwrap_or(radiance[path]) + shared;
+                let paths = pixel * self.samples..(pixel + 1) * self.samples;
+                for (radiance, second) in radiance[paths.clone()].iter_mut().zip(&self.second[paths]) {
+                    *radiance = second.map_or(*radiance, |second| second.radiance) + shared;
                 }
             }
         }

@@ -58,7 +58,7 @@ pub(crate) fn camera(node: &Node, seen: &mut HashMap<String, Span>, context: &mu
         lens_radius: lens_radius?,
         focus,
         exposure: exposure?.unwrap_or(0.0),
-        auto_exposure: exposure? == None,
+        auto_exposure: exposure?.is_none(),
     })
 }
 
