@@ -1,12 +1,13 @@
 //! Path reuse: pixels share the light that their paths find at second surfaces (Bekaert, Sbert and Halton 2002,
 //! "Accelerating Path Tracing by Re-Using Paths").
 //!
-//! **Idea.** Where the first two surfaces of a path are Lambertian, the radiance that leaves the second one is the same
-//! in all directions. So the camera hits of other pixels can be connected with it, at the price of a shadow ray each. A
-//! path is one of those of a group of pixels in a tile of 8 by 8. Let gₘ be the density over area with which pixel m
-//! samples the second surface of a path: cosine/π over solid angle, and zero if it is not visible. By the balance
-//! heuristic, pixel j receives of this path albedoⱼ x radiance x gⱼ / Σₘ gₘ. So the weights of a path add up to one:
-//! its radiance is only distributed, and the estimator is unbiased.
+//! **Idea.** Where the second surface of a path is Lambertian, the radiance that leaves it is the same in all directions.
+//! So the camera hits of other pixels can be connected with it, at the price of a shadow ray each. A path is one of
+//! those of a group of pixels in a tile of 8 by 8. Let pₘ be the density over area with which pixel m samples the second
+//! surface of a path, zero if it is not visible, and fⱼ the BSDF of pixel j times both cosines over the square of the
+//! distance. By the balance heuristic, pixel j receives of this path radiance x fⱼ / Σₘ pₘ. As its own density is in the
+//! sum, no weight is larger than without sharing. Between Lambertian surfaces, fⱼ is albedoⱼ x pⱼ: the radiance is
+//! distributed.
 //!
 //! **Groups.** A pixel of the tile is a pair (x, y) of elements of the field of eight elements. A group is a line
 //! y = cx + d, or x = d. The slope is one of nine, by chance for each tile and sample, and two pixels are on a common
@@ -18,16 +19,17 @@ use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
 use crate::metrics::RELMSE_EPSILON;
 use crate::ray_stats::RayCounters;
+use crate::sampling::basis::basis;
 use crate::sampling::sobol::hash;
-use crate::scene::material::{GLOWS, LAMBERTIAN};
+use crate::scene::material::{DELTA, GLOWS, LAMBERTIAN, TRANSMITS};
 use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
 use crate::shading::surface_interaction::SurfaceInteraction;
 use crate::shading::textured_point::TexturedPoint;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use pathmarch_scene::Sampler;
+use pathmarch_scene::materials::{Bsdf, BsdfParameters};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::f32::consts::PI;
 
 /// Edge length of the tiles that groups are in, and pixels of a group.
 const GROUP: u32 = 8;
@@ -102,21 +104,37 @@ fn probe(ctx: &TraceContext, tile: u32) -> f64 {
     total
 }
 
-/// Camera hit of a pixel on a Lambertian surface.
+/// Camera hit of a pixel on an opaque surface that is no mirror.
 #[derive(Clone, Copy)]
 struct FirstSurface {
+    p: Vec3,
     /// Origin of rays that leave the surface.
     origin: Vec3,
-    /// Unit normal on the side of the camera.
-    normal: Vec3,
-    albedo: Vec3,
+    bsdf: &'static Bsdf,
+    parameters: BsdfParameters,
+    /// Rotation from world space to the frame of the BSDF.
+    local_from_world: Mat3,
+    /// Unit vector to the camera in this frame.
+    wo: Vec3,
+    /// True if it is seen from the inside of the solid.
+    inside: bool,
     /// Length of the path, metres.
     length: f32,
+}
+
+/// Connection of a camera hit with the second surface of a path.
+#[derive(Clone, Copy, Default)]
+struct Connection {
+    /// Density over area with which the camera hit samples the second surface, 1/m².
+    density: f32,
+    /// BSDF times both cosines over the square of the distance, 1/m².
+    value: Vec3,
 }
 
 /// Second surface of a path, Lambertian too.
 #[derive(Clone, Copy)]
 struct SecondSurface {
+    p: Vec3,
     /// Origin of rays that leave the surface.
     origin: Vec3,
     /// Unit normal on the side of the first surface.
@@ -162,23 +180,37 @@ impl<'a> PathReuse<'a> {
     ) {
         let leaf = &ctx.scene.leaves[interaction.leaf];
         let material = &ctx.scene.materials[leaf.material as usize];
-        if !material.has(LAMBERTIAN) || material.has(GLOWS) || surface_index > ctx.frame.bounces {
+        if surface_index > ctx.frame.bounces {
             return;
         }
-        let (origin, normal) = (interaction.p + interaction.normal_offset, interaction.normal);
+        let &SurfaceInteraction { p, normal, normal_offset, inside, .. } = interaction;
+        let origin = p + normal_offset;
         let pixel = path.slot / self.samples;
         if surface_index > 0 {
-            if self.first[pixel].is_some() {
-                self.second[path.slot] = Some(SecondSurface { origin, normal, radiance: radiance[path.slot] });
+            if self.first[pixel].is_some() && material.has(LAMBERTIAN) && !material.has(GLOWS) {
+                self.second[path.slot] = Some(SecondSurface { p, origin, normal, radiance: radiance[path.slot] });
                 radiance[path.slot] = Vec3::ZERO;
                 path.throughput = Vec3::ONE;
             }
-        } else if path.medium.absorption == Vec3::ZERO && self.first[pixel].is_none() {
+            return;
+        }
+        let Some(bsdf) = ctx.scene.bsdfs[leaf.material as usize] else { return };
+        let is_rough = !material.has(DELTA) && !material.has(TRANSMITS);
+        if is_rough && path.medium.absorption == Vec3::ZERO && self.first[pixel].is_none() {
             let textured = TexturedPoint::new(ctx, interaction, path.length);
             let textured = textured.map(|textured| textured.parameters(&material.parameters));
-            let [r, g, b, ..] = textured.unwrap_or(material.parameters);
-            let albedo = Vec3::new(r, g, b);
-            self.first[pixel] = Some(FirstSurface { origin, normal, albedo, length: path.length });
+            let local_from_world = basis(normal).transpose();
+            let wo = local_from_world * -path.ray.direction;
+            self.first[pixel] = Some(FirstSurface {
+                p,
+                origin,
+                bsdf,
+                parameters: textured.unwrap_or(material.parameters),
+                local_from_world,
+                wo: wo.with_z(wo.z.abs().max(1e-5)),
+                inside,
+                length: path.length,
+            });
         }
     }
 
@@ -189,53 +221,51 @@ impl<'a> PathReuse<'a> {
             groups.entry(group_of(x, y, self.ray_index)).or_default().push(k);
         }
         let groups: Vec<Vec<usize>> = groups.into_values().collect();
-        // Pairs of a pixel and a path of another pixel of its group, with the density without visibility.
-        let mut densities = Vec::new();
+        // Those of each pixel with the paths of its group, without visibility.
+        let mut connections = Vec::new();
         let mut segments = Vec::new();
         for group in &groups {
             for &pixel in group {
                 let Some(first) = self.first[pixel] else { continue };
                 for path in self.paths_of(group) {
                     let Some(second) = self.second[path] else { continue };
-                    let density = density(&first, &second);
-                    if density > 0.0 && path / self.samples != pixel {
+                    let connection = connection(&first, &second);
+                    if connection.density > 0.0 && path / self.samples != pixel {
                         let offset = second.origin - first.origin;
                         let distance = offset.length();
                         let ray = Ray { origin: first.origin, direction: offset / distance };
                         segments.push(RaySegment { ray, path_length: first.length, limit: distance });
                     }
-                    densities.push(density);
+                    connections.push(connection);
                 }
             }
         }
         let mut hits = march(ctx, &segments).into_iter();
-        let mut densities = densities.into_iter();
+        let mut connections = connections.into_iter();
         for group in &groups {
             let paths: Vec<usize> = self.paths_of(group).filter(|path| self.second[*path].is_some()).collect();
             let mut seen = Vec::with_capacity(group.len() * paths.len());
             for &pixel in group {
                 for &path in &paths {
-                    let density = densities.next().unwrap_or_default();
+                    let connection = connections.next().unwrap_or_default();
                     let is_own = path / self.samples == pixel;
-                    // A path has found its own second surface.
-                    seen.push(match () {
-                        () if is_own => density.max(f32::MIN_POSITIVE),
-                        () if density > 0.0 && hits.next().is_some_and(|hit| hit.is_none()) => density,
-                        () => 0.0,
-                    });
+                    // A path sees its own second surface.
+                    let is_seen = connection.density > 0.0 && (is_own || hits.next().is_some_and(|hit| hit.is_none()));
+                    seen.push(if is_seen { connection } else { Connection::default() });
                 }
             }
             let mut shared = vec![Vec3::ZERO; group.len()];
             for (k, &path) in paths.iter().enumerate() {
                 let column = || seen[k..].iter().step_by(paths.len());
-                let total: f32 = column().sum();
-                for (sum, density) in shared.iter_mut().zip(column()) {
-                    *sum += radiance[path] * (density / total);
+                let total: f32 = column().map(|connection| connection.density).sum();
+                if total > 0.0 {
+                    for (sum, connection) in shared.iter_mut().zip(column()) {
+                        *sum += radiance[path] * (connection.value / total);
+                    }
                 }
             }
             for (&pixel, shared) in group.iter().zip(shared) {
-                let Some(first) = self.first[pixel] else { continue };
-                let shared = first.albedo * shared / self.samples as f32;
+                let shared = shared / self.samples as f32;
                 let paths = pixel * self.samples..(pixel + 1) * self.samples;
                 for (radiance, second) in radiance[paths.clone()].iter_mut().zip(&self.second[paths]) {
                     *radiance = second.map_or(*radiance, |second| second.radiance) + shared;
@@ -252,12 +282,19 @@ impl<'a> PathReuse<'a> {
     }
 }
 
-/// Density over area with which a camera hit samples a second surface that it sees.
-fn density(first: &FirstSurface, second: &SecondSurface) -> f32 {
-    let offset = second.origin - first.origin;
+/// Connection of a camera hit with a second surface that it sees.
+fn connection(first: &FirstSurface, second: &SecondSurface) -> Connection {
+    let offset = second.p - first.p;
     let square = offset.length_squared();
-    let cosines = (offset.dot(first.normal).max(0.0)) * (-offset.dot(second.normal)).max(0.0);
-    if square > 0.0 { cosines / (PI * square * square) } else { 0.0 }
+    let direction = offset / square.sqrt();
+    let wi = first.local_from_world * direction;
+    let cosine = -direction.dot(second.normal);
+    if square == 0.0 || wi.z <= 0.0 || cosine <= 0.0 {
+        return Connection::default();
+    }
+    let evaluated = (first.bsdf.eval)(&first.parameters, first.wo, wi, first.inside);
+    let solid_angle_per_area = cosine / square;
+    Connection { density: evaluated.pdf * solid_angle_per_area, value: evaluated.value * solid_angle_per_area }
 }
 
 /// Product in the field of eight elements, with the polynomial x³ + x + 1.
