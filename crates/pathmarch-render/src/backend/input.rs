@@ -4,7 +4,7 @@ use crate::integrator::guides::Guide;
 use crate::integrator::photons;
 use crate::integrator::photons::emission::Emission;
 use crate::integrator::splitting::camera_ray_index;
-use crate::integrator::{moments, path, path_reuse, splitting_choice};
+use crate::integrator::{moments, path, path_reuse_choice, splitting_choice};
 use crate::mode::Mode;
 use crate::preview::{self, Preview};
 use crate::ray_stats::RayCounters;
@@ -106,9 +106,11 @@ impl RenderInput {
         let is_possible = self.mode == Mode::Path
             && settings.crop.is_none()
             && settings.clamp.is_none()
-            && path_reuse::is_possible(&self.scene, &self.config);
+            && path_reuse_choice::is_possible(&self.scene, &self.config);
         self.config.path_reuse = is_possible
-            && settings.path_reuse.unwrap_or_else(|| path_reuse::pays(&self.scene, &self.frame, &self.config, samples));
+            && settings
+                .path_reuse
+                .unwrap_or_else(|| path_reuse_choice::pays(&self.scene, &self.frame, &self.config, samples));
     }
 
     /// Context of the picture's rays on the CPU.

@@ -14,6 +14,7 @@ mod nested_dielectrics;
 pub(crate) mod participating_media;
 pub(crate) mod path;
 pub(crate) mod path_reuse;
+pub(crate) mod path_reuse_choice;
 pub(crate) mod path_state;
 pub(crate) mod photons;
 pub(crate) mod shadow;

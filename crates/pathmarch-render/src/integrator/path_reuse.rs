@@ -12,97 +12,25 @@
 //! **Groups.** A pixel of the tile is a pair (x, y) of elements of the field of eight elements. A group is a line
 //! y = cx + d, or x = d. The slope is one of nine, by chance for each tile and sample, and two pixels are on a common
 //! line for one of the nine. So noise is not the same in the pixels of a tile.
+//! [`path_reuse_choice`](super::path_reuse_choice) decides whether pixels share.
 
-use super::path;
 use super::path_state::Path;
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
-use crate::metrics::RELMSE_EPSILON;
-use crate::ray_stats::RayCounters;
 use crate::sampling::basis::basis;
 use crate::sampling::sobol::hash;
+use crate::scene::TraceContext;
 use crate::scene::material::{DELTA, GLOWS, LAMBERTIAN, TRANSMITS};
-use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
 use crate::shading::surface_interaction::SurfaceInteraction;
 use crate::shading::textured_point::TexturedPoint;
 use glam::{Mat3, Vec3};
-use pathmarch_scene::Sampler;
 use pathmarch_scene::materials::{Bsdf, BsdfParameters};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Edge length of the tiles that groups are in, and pixels of a group.
-const GROUP: u32 = 8;
+pub(super) const GROUP: u32 = 8;
 /// Number of slopes of groups.
 const SLOPES: u32 = 9;
-
-/// Columns and rows of tiles that a probe renders.
-const PROBE_GRID: [u32; 2] = [8, 4];
-/// Samples of the probe.
-const PROBE_SAMPLES: u32 = 6;
-/// Smallest number of paths of a picture for each path of the probe.
-const MIN_PATHS_PER_PROBE_PATH: f64 = 100.0;
-/// Cost of an evaluation of the field relative to a ray and its shading.
-const EVALUATION_COST: f64 = 0.25;
-/// Smallest relative reduction of the error that justifies sharing, because the noise of neighbours is related.
-const MIN_GAIN: f64 = 0.2;
-/// Largest relative variance of a pixel of the probe, so that none dominates.
-const MAX_VARIANCE: f64 = 10.0;
-
-/// True in scenes where some surface is Lambertian, and nothing but the geometry decides what one sees of another.
-pub(crate) fn is_possible(scene: &RenderScene, config: &KernelConfig) -> bool {
-    let is_plain = !config.media && !config.shading_normals && !config.fast_caustics && !config.traced_caustics;
-    is_plain && scene.materials.iter().any(|material| material.has(LAMBERTIAN))
-}
-
-/// True if a picture with this number of samples a pixel converges sooner with path reuse, by a few thousand of its paths. Counts
-/// operations and measures no time, so that the same picture always decides in the same way.
-pub(crate) fn pays(scene: &RenderScene, frame: &FrameUniforms, config: &KernelConfig, samples: u32) -> bool {
-    let [width, height] = frame.size();
-    let probe_paths = 2 * PROBE_SAMPLES * PROBE_GRID[0] * PROBE_GRID[1] * GROUP * GROUP;
-    let paths = f64::from(width) * f64::from(height) * f64::from(samples);
-    if paths < MIN_PATHS_PER_PROBE_PATH * f64::from(probe_paths) || width.min(height) < GROUP {
-        return false;
-    }
-    // The probe uses other random numbers than the picture, and independent ones.
-    let frame = FrameUniforms { seed: hash(frame.seed), sampler: Sampler::Independent as u32, ..*frame };
-    let error = |path_reuse: bool| {
-        let config = KernelConfig { path_reuse, splitting: 1, ..*config };
-        let counters = RayCounters::default();
-        let ctx = TraceContext { scene, frame: &frame, config: &config, stats: Some(&counters), photons: None };
-        let tiles = (0..PROBE_GRID[0] * PROBE_GRID[1]).into_par_iter();
-        let variance: f64 = tiles.map(|tile| probe(&ctx, tile)).collect::<Vec<_>>().iter().sum();
-        let total = counters.total();
-        variance * (total.rays as f64 + EVALUATION_COST * total.evaluations as f64)
-    };
-    error(true) < (1.0 - MIN_GAIN) * error(false)
-}
-
-/// Variance of the pixels of a tile of the probe, relative to their means as in relMSE and summed.
-fn probe(ctx: &TraceContext, tile: u32) -> f64 {
-    let [width, height] = ctx.frame.size();
-    let corner = |cell: u32, cells: u32, length: u32| {
-        let tiles = length / GROUP;
-        (tiles * (2 * cell + 1) / (2 * cells)).min(tiles - 1) * GROUP
-    };
-    let left = corner(tile % PROBE_GRID[0], PROBE_GRID[0], width);
-    let top = corner(tile / PROBE_GRID[0], PROBE_GRID[1], height);
-    let pixels: Vec<(u32, u32)> = (top..top + GROUP).flat_map(|y| (left..left + GROUP).map(move |x| (x, y))).collect();
-    let values: Vec<Vec<Vec3>> = (0..PROBE_SAMPLES).map(|sample| path::trace(ctx, &pixels, sample, 1)).collect();
-    let count = f64::from(PROBE_SAMPLES);
-    let mut total = 0.0;
-    for pixel in 0..pixels.len() {
-        for channel in 0..3 {
-            let components = || values.iter().map(|sample| f64::from(sample[pixel][channel]));
-            let mean = components().sum::<f64>() / count;
-            let variance = components().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-            let relative = variance / (mean * mean + RELMSE_EPSILON);
-            // Ignore values that are not finite.
-            total += if relative.is_finite() { relative.min(MAX_VARIANCE) } else { 0.0 };
-        }
-    }
-    total
-}
 
 /// Camera hit of a pixel on an opaque surface that is no mirror.
 #[derive(Clone, Copy)]
