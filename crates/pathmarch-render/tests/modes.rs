@@ -53,7 +53,8 @@ fn previews_are_about_as_bright_as_pictures() {
     let renderer = cpu();
     for path in scenes() {
         let scene = Scene::load(&path).expect("a valid scene");
-        if scene.fog.scattering != [0.0; 3] {
+        // Each picture has an exposure of its own where the camera chooses it.
+        if scene.fog.scattering != [0.0; 3] || scene.cameras[0].auto_exposure {
             continue;
         }
         let [traced, preview] = [Mode::Path, Mode::Preview].map(|mode| {
