@@ -18,7 +18,7 @@ use crate::integrator::medium::{medium_beyond, transmittance};
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
 use crate::job::Shutter;
-use crate::sampling::basis::basis;
+use crate::sampling::basis::{basis, local_viewer};
 use crate::sampling::sobol::{PixelSampler, hash, pair};
 use crate::scene::TraceContext;
 use crate::scene::material::{DELTA, GLOWS};
@@ -245,8 +245,7 @@ fn scattered(
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
     let world_from_local = basis(ns);
-    let wo = world_from_local.transpose() * -walk.ray.direction;
-    let wo = wo.with_z(wo.z.abs().max(1e-5));
+    let wo = local_viewer(world_from_local.transpose(), -walk.ray.direction);
     let first_pair = pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index;
     let [u, v] = walk.sampler.sample_2d(first_pair + pair::PAIR_SCATTER);
     let [lobe, _] = walk.sampler.sample_2d(first_pair + pair::PAIR_LOBE);

@@ -17,6 +17,7 @@ pub(crate) mod path_reuse;
 pub(crate) mod path_reuse_choice;
 pub(crate) mod path_state;
 pub(crate) mod photons;
+mod probe;
 pub(crate) mod shadow;
 pub(crate) mod splitting;
 pub(crate) mod splitting_choice;

@@ -33,7 +33,7 @@ use super::shadow::{self, ShadowTest};
 use super::splitting::camera_ray_index;
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
-use crate::sampling::basis::basis;
+use crate::sampling::basis::{basis, local_viewer};
 use crate::sampling::sobol::{PixelSampler, pair};
 use crate::scene::leaf::IN_GLASS;
 use crate::scene::material::{DELTA, FOCUSES, GLOWS, TRANSMITS};
@@ -315,9 +315,7 @@ fn shade(
         |wi: Vec3, direction: Vec3| ctx.config.shading_normals && (wi.z < 0.0) != (direction.dot(normal) < 0.0);
     let world_from_local = basis(ns);
     let local_from_world = world_from_local.transpose();
-    let wo_unclamped = local_from_world * -path.ray.direction;
-    // The normal of a rough field may point away from the ray: then its mirrored direction replaces it.
-    let wo = wo_unclamped.with_z(wo_unclamped.z.abs().max(1e-5));
+    let wo = local_viewer(local_from_world, -path.ray.direction);
     let transmits = material.has(TRANSMITS);
     let medium_beyond_surface = |medium: &Medium| medium_after(ctx, medium, interaction.leaf, inside);
     let footprint = if ctx.photons.is_some() { path.footprint(p) } else { 0.0 };

@@ -17,7 +17,7 @@
 use super::path_state::Path;
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
-use crate::sampling::basis::basis;
+use crate::sampling::basis::{basis, local_viewer};
 use crate::sampling::sobol::hash;
 use crate::scene::TraceContext;
 use crate::scene::material::{DELTA, GLOWS, LAMBERTIAN, TRANSMITS};
@@ -26,6 +26,7 @@ use crate::shading::textured_point::TexturedPoint;
 use glam::{Mat3, Vec3};
 use pathmarch_scene::materials::{Bsdf, BsdfParameters};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Edge length of the tiles that groups are in, and pixels of a group.
 pub(super) const GROUP: u32 = 8;
@@ -69,6 +70,15 @@ struct SecondSurface {
     normal: Vec3,
     /// Radiance of the path without that which leaves this surface.
     radiance: Vec3,
+}
+
+/// Pixels that share their paths.
+#[derive(Default)]
+struct Group {
+    /// Pixels with a first surface.
+    pixels: Vec<usize>,
+    /// Paths of these pixels with a second surface.
+    paths: Vec<usize>,
 }
 
 /// Surfaces of the paths of a set of pixels, being recorded.
@@ -128,37 +138,43 @@ impl<'a> PathReuse<'a> {
             let textured = TexturedPoint::new(ctx, interaction, path.length);
             let textured = textured.map(|textured| textured.parameters(&material.parameters));
             let local_from_world = basis(normal).transpose();
-            let wo = local_from_world * -path.ray.direction;
             self.first[pixel] = Some(FirstSurface {
                 p,
                 origin,
                 bsdf,
                 parameters: textured.unwrap_or(material.parameters),
                 local_from_world,
-                wo: wo.with_z(wo.z.abs().max(1e-5)),
+                wo: local_viewer(local_from_world, -path.ray.direction),
                 inside,
                 length: path.length,
             });
         }
     }
 
+    /// Groups of pixels, with the paths that they share.
+    fn groups(&self) -> Vec<Group> {
+        let mut groups: BTreeMap<(u32, u32, u32), Group> = BTreeMap::new();
+        for (pixel, &(x, y)) in self.pixels.iter().enumerate().filter(|(pixel, _)| self.first[*pixel].is_some()) {
+            let group = groups.entry(group_of(x, y, self.ray_index)).or_default();
+            group.pixels.push(pixel);
+            group.paths.extend(self.paths_of(pixel).filter(|path| self.second[*path].is_some()));
+        }
+        groups.into_values().collect()
+    }
+
     /// Shares the radiance that leaves the second surfaces among the paths of each group.
     pub(super) fn share(&self, ctx: &TraceContext, radiance: &mut [Vec3]) {
-        let mut groups: BTreeMap<(u32, u32, u32), Vec<usize>> = BTreeMap::new();
-        for (k, &(x, y)) in self.pixels.iter().enumerate().filter(|(k, _)| self.first[*k].is_some()) {
-            groups.entry(group_of(x, y, self.ray_index)).or_default().push(k);
-        }
-        let groups: Vec<Vec<usize>> = groups.into_values().collect();
-        // Those of each pixel with the paths of its group, without visibility.
+        let groups = self.groups();
+        // Of each pixel with the paths of its group, without visibility.
         let mut connections = Vec::new();
         let mut segments = Vec::new();
-        for group in &groups {
-            for &pixel in group {
-                let Some(first) = self.first[pixel] else { continue };
-                for path in self.paths_of(group) {
-                    let Some(second) = self.second[path] else { continue };
-                    let connection = connection(&first, &second);
-                    if connection.density > 0.0 && path / self.samples != pixel {
+        for Group { pixels, paths } in &groups {
+            for &pixel in pixels {
+                let Some(first) = &self.first[pixel] else { continue };
+                for &path in paths {
+                    let Some(second) = &self.second[path] else { continue };
+                    let connection = connection(first, second);
+                    if connection.density > 0.0 && !self.paths_of(pixel).contains(&path) {
                         let offset = second.origin - first.origin;
                         let distance = offset.length();
                         let ray = Ray { origin: first.origin, direction: offset / distance };
@@ -170,19 +186,18 @@ impl<'a> PathReuse<'a> {
         }
         let mut hits = march(ctx, &segments).into_iter();
         let mut connections = connections.into_iter();
-        for group in &groups {
-            let paths: Vec<usize> = self.paths_of(group).filter(|path| self.second[*path].is_some()).collect();
-            let mut seen = Vec::with_capacity(group.len() * paths.len());
-            for &pixel in group {
-                for &path in &paths {
+        for Group { pixels, paths } in &groups {
+            let mut seen = Vec::with_capacity(pixels.len() * paths.len());
+            for &pixel in pixels {
+                for path in paths {
                     let connection = connections.next().unwrap_or_default();
-                    let is_own = path / self.samples == pixel;
                     // A path sees its own second surface.
-                    let is_seen = connection.density > 0.0 && (is_own || hits.next().is_some_and(|hit| hit.is_none()));
+                    let is_seen = connection.density > 0.0
+                        && (self.paths_of(pixel).contains(path) || hits.next().is_some_and(|hit| hit.is_none()));
                     seen.push(if is_seen { connection } else { Connection::default() });
                 }
             }
-            let mut shared = vec![Vec3::ZERO; group.len()];
+            let mut shared = vec![Vec3::ZERO; pixels.len()];
             for (k, &path) in paths.iter().enumerate() {
                 let column = || seen[k..].iter().step_by(paths.len());
                 let total: f32 = column().map(|connection| connection.density).sum();
@@ -192,9 +207,8 @@ impl<'a> PathReuse<'a> {
                     }
                 }
             }
-            for (&pixel, shared) in group.iter().zip(shared) {
-                let shared = shared / self.samples as f32;
-                let paths = pixel * self.samples..(pixel + 1) * self.samples;
+            for (&pixel, shared) in pixels.iter().zip(shared) {
+                let (shared, paths) = (shared / self.samples as f32, self.paths_of(pixel));
                 for (radiance, second) in radiance[paths.clone()].iter_mut().zip(&self.second[paths]) {
                     *radiance = second.map_or(*radiance, |second| second.radiance) + shared;
                 }
@@ -202,11 +216,9 @@ impl<'a> PathReuse<'a> {
         }
     }
 
-    /// Paths of these pixels.
-    fn paths_of(&self, group: &[usize]) -> impl Iterator<Item = usize> + use<'_> {
-        let samples = self.samples;
-        let group = group.to_vec();
-        group.into_iter().flat_map(move |pixel| pixel * samples..(pixel + 1) * samples)
+    /// Paths of a pixel.
+    fn paths_of(&self, pixel: usize) -> Range<usize> {
+        pixel * self.samples..(pixel + 1) * self.samples
     }
 }
 

@@ -1,19 +1,17 @@
 //! Choice whether pixels share the light that their paths find.
 //!
 //! [`pays`] renders a few tiles of the picture with and without [`path_reuse`](super::path_reuse), and compares the products of
-//! variance and cost. It counts operations and measures no time, so that the same picture always decides in the same way.
+//! variance and cost.
 //!
 //! **Cost.** 25,000 paths on the CPU, for pictures of at least a hundred times as many.
 
-use super::path;
 use super::path_reuse::GROUP;
+use super::{path, probe};
 use crate::metrics::RELMSE_EPSILON;
 use crate::ray_stats::RayCounters;
-use crate::sampling::sobol::hash;
 use crate::scene::material::LAMBERTIAN;
 use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
 use glam::Vec3;
-use pathmarch_scene::Sampler;
 use rayon::prelude::*;
 
 /// Columns and rows of tiles that a probe renders.
@@ -22,8 +20,6 @@ const PROBE_GRID: [u32; 2] = [8, 4];
 const PROBE_SAMPLES: u32 = 6;
 /// Smallest number of paths of a picture for each path of the probe.
 const MIN_PATHS_PER_PROBE_PATH: f64 = 100.0;
-/// Cost of an evaluation of the field relative to a ray and its shading.
-const EVALUATION_COST: f64 = 0.25;
 /// Smallest relative reduction of the error that justifies sharing, because the noise of neighbours is related.
 const MIN_GAIN: f64 = 0.2;
 /// Largest relative variance of a pixel of the probe, so that none dominates.
@@ -39,26 +35,24 @@ pub(crate) fn is_possible(scene: &RenderScene, config: &KernelConfig) -> bool {
 pub(crate) fn pays(scene: &RenderScene, frame: &FrameUniforms, config: &KernelConfig, samples: u32) -> bool {
     let [width, height] = frame.size();
     let probe_paths = 2 * PROBE_SAMPLES * PROBE_GRID[0] * PROBE_GRID[1] * GROUP * GROUP;
-    let paths = f64::from(width) * f64::from(height) * f64::from(samples);
-    if paths < MIN_PATHS_PER_PROBE_PATH * f64::from(probe_paths) || width.min(height) < GROUP {
+    let is_large = probe::path_count(frame, samples) >= MIN_PATHS_PER_PROBE_PATH * f64::from(probe_paths);
+    if !is_large || width.min(height) < GROUP {
         return false;
     }
-    // The probe uses other random numbers than the picture, and independent ones.
-    let frame = FrameUniforms { seed: hash(frame.seed), sampler: Sampler::Independent as u32, ..*frame };
+    let frame = probe::frame_of(frame);
     let error = |path_reuse: bool| {
         let config = KernelConfig { path_reuse, splitting: 1, ..*config };
         let counters = RayCounters::default();
         let ctx = TraceContext { scene, frame: &frame, config: &config, stats: Some(&counters), photons: None };
         let tiles = (0..PROBE_GRID[0] * PROBE_GRID[1]).into_par_iter();
-        let variance: f64 = tiles.map(|tile| probe(&ctx, tile)).collect::<Vec<_>>().iter().sum();
-        let total = counters.total();
-        variance * (total.rays as f64 + EVALUATION_COST * total.evaluations as f64)
+        let variance: f64 = tiles.map(|tile| variance_of_tile(&ctx, tile)).collect::<Vec<_>>().iter().sum();
+        variance * probe::cost(&counters)
     };
     error(true) < (1.0 - MIN_GAIN) * error(false)
 }
 
 /// Variance of the pixels of a tile of the probe, relative to their means as in relMSE and summed.
-fn probe(ctx: &TraceContext, tile: u32) -> f64 {
+fn variance_of_tile(ctx: &TraceContext, tile: u32) -> f64 {
     let [width, height] = ctx.frame.size();
     let corner = |cell: u32, cells: u32, length: u32| {
         let tiles = length / GROUP;

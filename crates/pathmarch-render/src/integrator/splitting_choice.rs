@@ -16,8 +16,8 @@
 //! **Cost.** 20,000 paths on the CPU, for pictures of at least 200 times as many.
 
 use super::camera::{camera_rays, pixel_sampler};
-use super::path;
 use super::splitting::UNSPLIT_SAMPLES;
+use super::{path, probe};
 use crate::intersect::march::march;
 use crate::intersect::ray::RaySegment;
 use crate::metrics::RELMSE_EPSILON;
@@ -26,7 +26,6 @@ use crate::sampling::sobol::{PixelSampler, hash};
 use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
 use crate::settings::MAX_SPLITTING;
 use glam::Vec3;
-use pathmarch_scene::Sampler;
 use rayon::prelude::*;
 
 /// Columns and rows of probed pixels.
@@ -38,8 +37,6 @@ const PROBE_PATHS: u32 = 4;
 /// Smallest number of paths of a picture for each path of the probe.
 const MIN_PATHS_PER_PROBE_PATH: f64 = 200.0;
 
-/// Cost of an evaluation of the field relative to a ray and its shading.
-const EVALUATION_COST: f64 = 0.25;
 /// Excess of the slowest of eight lanes over their mean, for one path each, in mean path lengths.
 const LANE_WAIT: f64 = 0.9;
 /// Smallest relative reduction of the error that justifies a larger splitting, because edges are less smooth with it.
@@ -56,12 +53,11 @@ pub(crate) fn best_splitting(
 ) -> u32 {
     let [width, height] = frame.size();
     let probe_paths = PROBE_GRID.map(f64::from).iter().product::<f64>() * f64::from(PROBE_RAYS * PROBE_PATHS);
-    if f64::from(width) * f64::from(height) * f64::from(samples) < MIN_PATHS_PER_PROBE_PATH * probe_paths {
+    if probe::path_count(frame, samples) < MIN_PATHS_PER_PROBE_PATH * probe_paths {
         return 1;
     }
     let config = KernelConfig { splitting: PROBE_PATHS, ..*config };
-    // The probe uses other random numbers than the picture, and independent ones.
-    let frame = FrameUniforms { seed: hash(frame.seed), sampler: Sampler::Independent as u32, ..*frame };
+    let frame = probe::frame_of(frame);
     let pixels: Vec<(u32, u32)> = (0..PROBE_GRID[0] * PROBE_GRID[1])
         .map(|k| {
             let jittered = |cell: u32, cells: u32, length: u32, dimension: u32| {
@@ -79,12 +75,8 @@ pub(crate) fn best_splitting(
         variances(&context(&path_counters), pixels)
     });
     let [between, within] = variances.reduce(|| [0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-    let cost = |counters: &RayCounters| {
-        let total = counters.total();
-        total.rays as f64 + EVALUATION_COST * total.evaluations as f64
-    };
-    let ray_cost = cost(&ray_counters);
-    let path_cost = (cost(&path_counters) - ray_cost) / f64::from(PROBE_PATHS);
+    let ray_cost = probe::cost(&ray_counters);
+    let path_cost = (probe::cost(&path_counters) - ray_cost) / f64::from(PROBE_PATHS);
     let lane_wait = if in_lanes { LANE_WAIT } else { 0.0 };
     let error = |k: u32| {
         let k = f64::from(k);

@@ -12,3 +12,11 @@ pub(crate) fn basis(n: Vec3) -> Mat3 {
     let tangent = Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
     Mat3::from_cols(tangent, Vec3::new(b, sign + n.y * n.y * a, -n.y), n)
 }
+
+/// Unit vector to the viewer in the frame of a BSDF, from world space, on the side of the normal. The normal of a rough field
+/// may point away from the ray: then the mirrored vector replaces it.
+#[inline]
+pub(crate) fn local_viewer(local_from_world: Mat3, to_viewer: Vec3) -> Vec3 {
+    let wo = local_from_world * to_viewer;
+    wo.with_z(wo.z.abs().max(1e-5))
+}

@@ -9,7 +9,7 @@ use crate::integrator::nested_dielectrics::refracting_parameters;
 use crate::integrator::participating_media::{medium_after, transmittance_in};
 use crate::intersect::march::march;
 use crate::intersect::ray::{Hit, Ray, RaySegment};
-use crate::sampling::basis::basis;
+use crate::sampling::basis::{basis, local_viewer};
 use crate::sampling::sobol::{PixelSampler, hash};
 use crate::scene::material::{BOUNDARY, FOCUSES};
 use crate::scene::photon_map::{MAX_FOCUSING, Photon};
@@ -195,8 +195,7 @@ fn follow(
     let incoming = -path.ray.direction;
     let ns = shading_normal(ctx.config, textured.as_ref(), interaction, incoming);
     let world_from_local = basis(ns);
-    let wo_unclamped = world_from_local.transpose() * incoming;
-    let wo = wo_unclamped.with_z(wo_unclamped.z.abs().max(1e-5));
+    let wo = local_viewer(world_from_local.transpose(), incoming);
     let first_pair = pair::SURFACE + pair::PER_SURFACE * path.focusing;
     let [u, v] = path.sampler.sample_2d(first_pair + pair::SCATTER);
     let [lobe, roulette] = path.sampler.sample_2d(first_pair + pair::LOBE);
