@@ -18,6 +18,7 @@ use crate::output::image::Picture;
 use crate::output::tonemap::{Display, Tonemap, decoded};
 use pathmarch_field::number::Real;
 use pathmarch_field::wgsl::Function;
+use pathmarch_scene::Camera;
 use std::f32::consts::TAU;
 
 /// Quantity that a picture shows.
@@ -122,9 +123,9 @@ impl Mode {
         }
     }
 
-    /// True if its pictures are radiance, which an exposure applies to.
-    pub fn has_exposure(self) -> bool {
-        matches!(self, Self::Path | Self::Preview)
+    /// True if pictures of this camera have the exposure that suits them: they show radiance, and the camera does not fix it.
+    pub fn has_auto_exposure(self, camera: &Camera) -> bool {
+        camera.auto_exposure && matches!(self, Self::Path | Self::Preview)
     }
 
     /// Picture of a film of this mode, linear Rec. 709.

@@ -18,7 +18,7 @@ const BLACK: f64 = 0.003;
 const CELLS: usize = 48;
 
 /// Exposure in stops, to a tenth, that suits a picture; `None` of a black one. The geometric mean of the luminances of its cells
-/// becomes middle grey; cells that are black do not count.
+/// becomes middle grey; cells that are black do not count. Within the range of a camera's exposure.
 pub fn suitable_stops(film: &Film) -> Option<f32> {
     suitable_stops_of(film.width as usize, &film.mean().pixels)
 }
@@ -26,28 +26,25 @@ pub fn suitable_stops(film: &Film) -> Option<f32> {
 /// [`suitable_stops`] of linear pixels, in rows of this width.
 pub fn suitable_stops_of(width: usize, pixels: &[[f32; 3]]) -> Option<f32> {
     let side = width.div_ceil(CELLS).max(1);
-    let mut cells = vec![(0.0_f64, 0_u32); width.div_ceil(side) * (pixels.len() / width.max(1)).div_ceil(side)];
+    let columns = width.div_ceil(side);
+    let mut cells = vec![(0.0_f64, 0_u32); columns * (pixels.len() / width.max(1)).div_ceil(side)];
     for (index, luminance) in pixels.iter().map(|pixel| luminance(*pixel)).enumerate() {
-        if luminance.is_finite()
-            && let Some((sum, count)) =
-                cells.get_mut(index / width / side * width.div_ceil(side) + index % width / side)
-        {
+        let cell = index / width / side * columns + index % width / side;
+        if let Some((sum, count)) = cells.get_mut(cell).filter(|_| luminance.is_finite()) {
             (*sum, *count) = (*sum + luminance, *count + 1);
         }
     }
     let means = cells.iter().map(|(sum, count)| sum / f64::from((*count).max(1))).filter(|mean| *mean > 1e-9);
     let (sum, count) = means.fold((0.0, 0_u32), |(sum, count), mean| (sum + mean.ln(), count + 1));
     let mean = (sum / f64::from(count.max(1))).exp();
-    (count > 0).then(|| ((MIDDLE_GREY / mean).log2() * 10.0).round() as f32 / 10.0)
+    let stops = ((MIDDLE_GREY / mean).log2() * 10.0).round() as f32 / 10.0;
+    (count > 0).then(|| stops.clamp(EXPOSURE.min, EXPOSURE.max))
 }
 
 /// Exposure of a picture of this camera, in stops: its own, or the one that suits the film. Without a film, or with a black one,
 /// an automatic exposure is 0.
 pub fn camera_stops(camera: &Camera, film: Option<&Film>) -> f32 {
-    match film.filter(|_| camera.auto_exposure).and_then(suitable_stops) {
-        Some(stops) => stops.clamp(EXPOSURE.min, EXPOSURE.max),
-        None => camera.exposure,
-    }
+    film.filter(|_| camera.auto_exposure).and_then(suitable_stops).unwrap_or(camera.exposure)
 }
 
 /// Fault of a picture's exposure.

@@ -8,7 +8,6 @@ use crate::output::exposure::suitable_stops;
 use crate::output::tonemap::Display;
 use crate::reconstruct::{self, Buffer, upscaled_size};
 use crate::settings::Settings;
-use pathmarch_scene::settings::EXPOSURE;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -84,8 +83,7 @@ impl Engine {
                 self.metered_stops = Some(follows.map_or(stops, |last| last + ADAPTATION * (stops - last)));
             }
         }
-        let exposure_stops = self.metered_stops.map_or(0.0, |stops| stops.clamp(EXPOSURE.min, EXPOSURE.max));
-        Ok(Display { exposure_stops, ..request.display })
+        Ok(Display { exposure_stops: self.metered_stops.unwrap_or(0.0), ..request.display })
     }
 
     /// Film of the full-size picture, and its settings.

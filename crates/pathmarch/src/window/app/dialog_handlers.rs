@@ -188,7 +188,7 @@ impl App {
         let display = App::display(open, &scene);
         let answer = self.live.film().recv().unwrap_or_else(|_| Err("the renderer has stopped".to_owned()));
         let status = self.live.status();
-        let auto = open.view.camera.auto_exposure && open.view.mode.has_exposure();
+        let auto = open.view.mode.has_auto_exposure(&open.view.camera);
         let result = answer.and_then(|(film, settings)| {
             let display = if auto {
                 Display { exposure_stops: camera_stops(&open.view.camera, Some(&film)), ..display }

@@ -43,7 +43,7 @@ impl App {
         let order = RenderRequest {
             settings: Self::settings(open, &scene),
             display: Self::display(open, &scene),
-            auto_exposure: open.view.camera.auto_exposure && open.view.mode.has_exposure(),
+            auto_exposure: open.view.mode.has_auto_exposure(&open.view.camera),
             scene,
             moving: moving.is_some(),
             frame_time: Duration::from_secs_f32(1.0 / self.preferences.frame_rate.clamp(1.0, 240.0)),

@@ -339,7 +339,7 @@ impl<W: Fn()> Worker<'_, W> {
         }
         (self.wake)();
         let camera = task.settings.camera_of(scene);
-        let follows = camera.auto_exposure && task.settings.mode.has_exposure() && may_be_partial;
+        let follows = task.settings.mode.has_auto_exposure(camera) && may_be_partial;
         let exposure_stops = if follows { camera_stops(camera, Some(&film)) } else { display.exposure_stops };
         let display = &Display { exposure_stops, ..*display };
         let rendered =
