@@ -62,7 +62,13 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     for name in SCENES {
         let scene = example(name)?;
         // The error is measured after every sample, so each one needs a camera ray of its own.
-        let settings = Settings { size: study.plan.error_size, samples, splitting: Some(1), ..Settings::of(&scene) };
+        let settings = Settings {
+            size: study.plan.error_size,
+            samples,
+            splitting: Some(1),
+            path_reuse: Some(false),
+            ..Settings::of(&scene)
+        };
         study.log(&format!("accumulation: {name}, comparing backends"));
         let times = study.time_view(&scene, &settings, settings.bounces)?;
         let backend = Study::fastest(&times);
@@ -149,7 +155,7 @@ fn difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
 fn fractal(study: &mut Study) -> Result<String, Failure> {
     let scene = example(FRACTAL)?;
     let size = study.plan.error_size;
-    let settings = Settings { size, splitting: Some(1), ..Settings::of(&scene) };
+    let settings = Settings { size, splitting: Some(1), path_reuse: Some(false), ..Settings::of(&scene) };
     let display = Display { tonemap: scene.render.tonemap, exposure_stops: scene.cameras[0].exposure };
     let shown =
         |picture: &Picture| -> Vec<[f32; 3]> { picture.pixels.iter().map(|pixel| display.encode(*pixel)).collect() };

@@ -34,7 +34,12 @@ const fn shot(scene: &'static str) -> Shot {
 }
 
 const fn samples(scene: &'static str, samples: u32) -> Shot {
-    Shot { scene, change: |settings| settings.splitting = Some(1), samples: Some(samples) }
+    Shot { scene, change: plain_paths, samples: Some(samples) }
+}
+
+/// Paths as in the thesis: each has a camera ray of its own, and shares nothing.
+fn plain_paths(settings: &mut Settings) {
+    (settings.splitting, settings.path_reuse) = (Some(1), Some(false));
 }
 
 /// Preview with the first steps in the order of the thesis.
@@ -132,7 +137,7 @@ static FIGURES: &[Figure] = &[
                 scene: "diffuse-sphere",
                 change: |settings| {
                     settings.sampler = Sampler::Independent;
-                    settings.splitting = Some(1);
+                    plain_paths(settings);
                 },
                 samples: Some(1),
             },

@@ -137,7 +137,8 @@ impl MotionBlur {
         let samples = (RUN - first % RUN).min(end - first);
         let moment = self.shutter.moment(self.settings.seed, first);
         let scene = self.animation.lock().unwrap_or_else(PoisonError::into_inner).at(moment)?;
-        let settings = Settings { first_sample: first, samples, ..self.settings.clone() };
+        // Runs are too short to decide on path reuse, and a range of samples may cut one.
+        let settings = Settings { first_sample: first, samples, path_reuse: Some(false), ..self.settings.clone() };
         let (tracer, backend) = self.renderer.trace(&scene, &settings)?;
         self.backend = Some(backend);
         Ok((tracer, samples))

@@ -75,6 +75,9 @@ impl Task<'_> {
         if self.says_settings {
             print_settings(self.arguments, job.backend(), &self.settings, self.progress);
         }
+        if self.settings.path_reuse == Some(true) && !job.reuses_paths() {
+            note!("note: --path-reuse has no effect: it is for path-traced pictures of diffuse surfaces on the CPU");
+        }
         let picture = self.picture(before);
         let of = self.settings.samples;
         let late = || self.arguments.seconds.is_some_and(|seconds| picture.started.elapsed().as_secs_f64() >= seconds);
