@@ -1,45 +1,29 @@
 //! Path reuse: pixels that share light show the same picture, where it pays with less noise, and every sample counts once.
 
-use crate::common::{cpu, parse, render};
+use crate::common::{cpu, parse, render, scenes};
+use crate::splitting::ROOM;
 use pathmarch_render::Settings;
 use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::{mean_colour, relmse};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_testing::{plain, tests};
 
-/// Room with Lambertian and other surfaces, one of them black in blue, a textured one, one that glows, corners, a
-/// sphere-traced object, and a lamp in sight.
-const ROOM: &str = r#"pathmarch 1
-camera { position 0 1 2.8; target 0 0.9 0; fov 50 }
-render { bounces 5 }
-sky 0.1 0.1 0.2
-material "white" { diffuse 0.7 }
-material "red" { diffuse 0.6 0.1 0 }
+/// The room of splitting with more surfaces: a textured one, one that glows, and one that is black in blue.
+fn room() -> Scene {
+    let more = r#"
 material "tiles" { diffuse { checker size=0.4 { colour 0.2; colour 0.8 0.7 0.5 } } }
 material "glowing" { diffuse 0.5; emission 0.3 0.1 0 }
-material "metal" { metal 0.9 0.7 0.4; roughness 0.4 }
-material "glass" { glass 0.95 }
-material "lamp" { emit 9 8 6 }
-object "floor" material="tiles" { plane }
-object "back" material="white" { rect 4 4 { normal 0 0 1; at 0 1 -1.2 } }
-object "left" material="red" { rect 4 4 { normal 1 0 0; at -1.2 1 0 } }
+material "yellow" { diffuse 0.6 0.5 0 }
+object "step" material="tiles" { box 2.4 0.2 0.6 { at 0 0.1 -0.9 } }
 object "right" material="glowing" { rect 4 4 { normal -1 0 0; at 1.2 1 0 } }
-object "metal" material="metal" { sphere 0.4 { at -0.5 0.4 -0.3 } }
-object "glass" material="glass" { box 0.4 0.8 0.4 { at 0.4 0.4 -0.2; rotate 0 30 0 } }
-object "ring" material="red" { torus 0.3 0.08 { at 0 1.3 -0.6; rotate 70 0 0 } }
-object "lamp" material="lamp" { sphere 0.15 { at 0.7 1.7 0 } }
+object "block" material="yellow" { box 0.3 0.3 0.3 { at -0.1 0.35 0.4 } }
 "#;
+    parse(&format!("{ROOM}{more}"))
+}
 
-/// Closed white room with a small lamp.
-const CLOSED: &str = r#"pathmarch 1
-camera { position 0 1 0.9; target 0 1 -1; fov 60 }
-render { bounces 6 }
-material "white" { diffuse 0.8 }
-material "lamp" { emit 20 }
-object "room" material="white" { box 2 2 2 { at 0 1 0 } }
-object "block" material="white" { box 0.5 0.7 0.5 { rotate 0 30 0; at -0.3 0.35 -0.4 } }
-object "lamp" material="lamp" { sphere 0.1 { at 0.6 1.7 0.5 } }
-"#;
+fn cornell_box() -> Scene {
+    Scene::load(scenes().iter().find(|path| path.ends_with("cornell-box.kdl")).expect("there")).expect("a valid scene")
+}
 
 fn settings(scene: &Scene, samples: u32, seed: u32, path_reuse: bool) -> Settings {
     // Not a multiple of the tiles' size.
@@ -48,7 +32,7 @@ fn settings(scene: &Scene, samples: u32, seed: u32, path_reuse: bool) -> Setting
 }
 
 fn pictures_are_the_same() {
-    let scene = parse(ROOM);
+    let scene = room();
     let picture = |seed, path_reuse| render(&cpu(), &scene, &settings(&scene, 4096, seed, path_reuse)).mean();
     let reference = picture(1, false);
     let error = |picture: &Picture| relmse(picture, &reference).expect("equal sizes");
@@ -60,7 +44,7 @@ fn pictures_are_the_same() {
 }
 
 fn closed_rooms_have_less_noise() {
-    let scene = parse(CLOSED);
+    let scene = cornell_box();
     let picture = |samples, seed, path_reuse| {
         let settings = Settings { size: [192, 108], ..settings(&scene, samples, seed, path_reuse) };
         render(&cpu(), &scene, &settings).mean()
@@ -72,7 +56,7 @@ fn closed_rooms_have_less_noise() {
 }
 
 fn splitting_and_ranges_of_samples_go_together() {
-    let scene = parse(ROOM);
+    let scene = room();
     let whole = Settings { splitting: Some(3), ..settings(&scene, 26, 0, true) };
     let film = render(&cpu(), &scene, &whole);
     let mut parts = render(&cpu(), &scene, &Settings { samples: 19, ..whole.clone() });
@@ -92,7 +76,7 @@ fn splitting_and_ranges_of_samples_go_together() {
 }
 
 fn pictures_decide_for_themselves() {
-    let scene = parse(CLOSED);
+    let scene = cornell_box();
     let starts = |settings: Settings| cpu().start(&scene, &settings).expect("starts").reuses_paths();
     let large = Settings { size: [640, 360], samples: 256, ..Settings::of(&scene) };
     assert!(starts(large.clone()));

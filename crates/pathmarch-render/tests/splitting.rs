@@ -6,7 +6,7 @@ use pathmarch_render::{MAX_SPLITTING, Renderer, Settings};
 use pathmarch_testing::tests;
 
 /// Closed room with glass, metal, a visible lamp and a sphere-traced object.
-const ROOM: &str = r#"pathmarch 1
+pub const ROOM: &str = r#"pathmarch 1
 camera { position 0 1 2.8; target 0 0.9 0; fov 50 }
 render { bounces 5 }
 sky 0.3 0.4 0.6
