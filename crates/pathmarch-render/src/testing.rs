@@ -32,6 +32,12 @@ impl Picture {
         self
     }
 
+    /// Makes the numbers of the field and the frame constants of the kernel.
+    pub fn with_constant_numbers(mut self) -> Self {
+        self.0.config.constant_numbers = true;
+        self
+    }
+
     /// Renders on the CPU.
     pub fn on_cpu(&self, samples: u32) -> Film {
         let mut job = CpuJob::new(self.0.clone(), 0);

@@ -78,7 +78,6 @@ pub(crate) struct Field {
     /// Type in WGSL.
     pub(crate) kind: &'static str,
     /// Offset in Rust, bytes.
-    #[cfg(test)]
     pub(crate) offset: usize,
 }
 
@@ -101,6 +100,32 @@ pub(crate) fn declaration<S: SharedStruct>() -> String {
         writeln!(code, "    {}: {},", field.name, field.kind).expect("writing to a string");
     }
     code + "}\n"
+}
+
+/// Value of a shared structure as an expression in WGSL; `None` if a number is not finite.
+pub(crate) fn value<S: SharedStruct + bytemuck::Pod>(record: &S) -> Option<String> {
+    let words: &[u32] = bytemuck::cast_slice(bytemuck::bytes_of(record));
+    let mut arguments = Vec::new();
+    for field in S::fields().into_iter().filter(|field| field.name != "padding") {
+        let float = |k: usize| {
+            let number = f32::from_bits(words[field.offset / 4 + k]);
+            number.is_finite().then(|| number.wgsl())
+        };
+        let integer = |k: usize| Some(words[field.offset / 4 + k].wgsl());
+        let components = |count: usize, component: &dyn Fn(usize) -> Option<String>| {
+            (0..count).map(component).collect::<Option<Vec<_>>>().map(|numbers| numbers.join(", "))
+        };
+        let numbers = match field.kind {
+            "f32" => components(1, &float),
+            "u32" => components(1, &integer),
+            "vec2u" => components(2, &integer),
+            "vec4u" => components(4, &integer),
+            "vec3f" => components(3, &float),
+            kind => unreachable!("{kind} is not written as a value"),
+        };
+        arguments.push(format!("{}({})", field.kind, numbers?));
+    }
+    Some(format!("{}({})", S::NAME, arguments.join(", ")))
 }
 
 /// Declares constants, and a function `shared_wgsl()` that prints them in WGSL.
@@ -137,7 +162,6 @@ macro_rules! shared_struct {
                     name: stringify!($field),
                     doc: &[$($field_doc),*],
                     kind: <$kind as $crate::wgsl::FieldType>::WGSL,
-                    #[cfg(test)]
                     offset: std::mem::offset_of!(Self, $field),
                 }),+]
             }
@@ -197,5 +221,12 @@ mod tests {
             "struct WgslPair {\n    /// First of them.\n    first: vec3f,\n    second: u32,\n}\n"
         );
         assert_eq!(Pair::fields()[1].offset, 12);
+    }
+
+    #[test]
+    fn values_are_printed() {
+        let pair = Pair { first: [0.5, -1e-8, 3.0], second: 7, padding: 0 };
+        assert_eq!(value(&pair).as_deref(), Some("WgslPair(vec3f(0.5, -1e-8, 3.0), u32(7u))"));
+        assert_eq!(value(&Pair { first: [f32::INFINITY; 3], ..pair }), None);
     }
 }

@@ -1,8 +1,8 @@
 //! Optimisations do not change pictures: comparisons with and without them, on both backends.
 
-use crate::common::{for_each_backend, parse, with_gpu};
+use crate::common::{for_each_backend, parse, scenes, with_gpu};
 use pathmarch_render::film::Film;
-use pathmarch_render::metrics::relmse;
+use pathmarch_render::metrics::{mean_colour, relmse};
 use pathmarch_render::pathmarch_field::Field;
 use pathmarch_render::pathmarch_field::number::Vec3;
 use pathmarch_render::pathmarch_scene::Scene;
@@ -34,6 +34,20 @@ object "lamp" material="lamp" { sphere 0.2 { at 0.6 1 -0.5 } }
     assert!(a.iter().flatten().sum::<f32>() > 0.0);
     let difference = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
     assert!(difference.fold(0.0, f32::max) < 1e-3);
+}
+
+fn pictures_do_not_depend_on_constant_numbers() {
+    let device = Device::open_as("software").expect("a GPU adapter");
+    // Sphere-traced shapes with suns and a sky, and a closed room.
+    let room = scenes().into_iter().find(|path| path.ends_with("closed-emitting-room.kdl")).expect("there");
+    for scene in [parse(THIN), Scene::load(&room).expect("a valid scene")] {
+        let settings = Settings { size: [48, 28], bounces: 3, ..Settings::of(&scene) };
+        let render = |picture: Picture| picture.on_gpu(&device, 16).expect("renders").mean();
+        let plain = render(Picture::new(&scene, &settings));
+        let constant = render(Picture::new(&scene, &settings).with_constant_numbers());
+        let error = relmse(&constant, &plain).expect("equal sizes");
+        assert!(mean_colour(&plain)[1] > 0.01 && error < 1e-5, "{error:.2e}");
+    }
 }
 
 /// Wires of a few millimetres, a thin shell and a needle between large shapes, which long steps could miss.
@@ -85,5 +99,5 @@ fn pictures_do_not_depend_on_long_steps_and_analytic_hits(backend: Backend) {
 
 tests! {
     for_each_backend slow: [pictures_do_not_depend_on_long_steps_and_analytic_hits],
-    with_gpu: [pictures_do_not_depend_on_the_kind_of_memory],
+    with_gpu: [pictures_do_not_depend_on_constant_numbers, pictures_do_not_depend_on_the_kind_of_memory],
 }

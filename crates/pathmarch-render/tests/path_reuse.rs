@@ -1,15 +1,19 @@
 //! Path reuse: pixels that share light show the same picture, where it pays with less noise, and every sample counts once.
 
-use crate::common::{cpu, parse, render, scenes};
+use crate::common::{cpu, on_both_backends, parse, render, scenes};
 use crate::splitting::ROOM;
-use pathmarch_render::Settings;
 use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::{mean_colour, relmse};
 use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::{Renderer, Settings};
 use pathmarch_testing::{plain, tests};
 
 /// The room of splitting with more surfaces: a textured one, one that glows, and one that is black in blue.
 fn room() -> Scene {
+    room_with(ROOM)
+}
+
+fn room_with(room: &str) -> Scene {
     let more = r#"
 material "tiles" { diffuse { checker size=0.4 { colour 0.2; colour 0.8 0.7 0.5 } } }
 material "glowing" { diffuse 0.5; emission 0.3 0.1 0 }
@@ -18,7 +22,7 @@ object "step" material="tiles" { box 2.4 0.2 0.6 { at 0 0.1 -0.9 } }
 object "right" material="glowing" { rect 4 4 { normal -1 0 0; at 1.2 1 0 } }
 object "block" material="yellow" { box 0.3 0.3 0.3 { at -0.1 0.35 0.4 } }
 "#;
-    parse(&format!("{ROOM}{more}"))
+    parse(&format!("{room}{more}"))
 }
 
 fn cornell_box() -> Scene {
@@ -75,6 +79,26 @@ fn splitting_and_ranges_of_samples_go_together() {
     assert!(split < 1.3 * plain, "{split:.2e}, without {plain:.2e}");
 }
 
+fn both_backends_share_the_same_light(renderers: &mut [Renderer; 2]) {
+    // Software adapters limit the loops of a torus; then pixels share nothing there.
+    let scene = room_with(&ROOM.replace("torus 0.3 0.08", "sphere 0.2"));
+    for splitting in [1, 3] {
+        // The last samples share camera rays.
+        let settings = Settings { splitting: Some(splitting), ..settings(&scene, 24, 0, true) };
+        let [cpu, gpu] = renderers.each_ref().map(|renderer| {
+            let mut job = renderer.start(&scene, &settings).expect("starts");
+            assert!(job.reuses_paths() && job.splitting() == splitting);
+            job.run(|_| false, |_| {}).expect("renders");
+            job.film().expect("is read").mean()
+        });
+        let error = relmse(&gpu, &cpu).expect("equal sizes");
+        assert!(error < 1e-6, "{error:.2e}");
+    }
+    // The memory of a workgroup does not hold more second surfaces.
+    let split = Settings { splitting: Some(8), ..settings(&scene, 24, 0, true) };
+    assert!(!renderers[1].start(&scene, &split).expect("starts").reuses_paths());
+}
+
 fn pictures_decide_for_themselves() {
     let scene = cornell_box();
     let starts = |settings: Settings| cpu().start(&scene, &settings).expect("starts").reuses_paths();
@@ -92,6 +116,7 @@ fn pictures_decide_for_themselves() {
 }
 
 tests! {
+    on_both_backends: [both_backends_share_the_same_light],
     plain: [splitting_and_ranges_of_samples_go_together, pictures_decide_for_themselves],
     plain slow: [pictures_are_the_same, closed_rooms_have_less_noise],
 }

@@ -15,6 +15,10 @@ use glam::Vec3;
 use pathmarch_scene::{Caustics, Scene};
 use std::sync::Arc;
 
+/// Smallest number of paths of a picture that gets a kernel of its own on a software adapter: compiling it takes a few tenths
+/// of a second.
+const MIN_PATHS_FOR_CONSTANTS: f64 = 2e6;
+
 /// Scene, frame, configuration and mode of a picture. Clones share the scene.
 #[derive(Clone, Debug)]
 pub(crate) struct RenderInput {
@@ -111,6 +115,13 @@ impl RenderInput {
             && settings
                 .path_reuse
                 .unwrap_or_else(|| path_reuse_choice::pays(&self.scene, &self.frame, &self.config, samples));
+    }
+
+    /// Makes the numbers of the field and of the frame constants of a kernel for a software adapter, if the picture has
+    /// enough samples for a kernel of its own.
+    pub(crate) fn choose_constants(&mut self, settings: &Settings) {
+        let pixels: f64 = self.frame.size().map(f64::from).iter().product();
+        self.config.constant_numbers = pixels * f64::from(settings.samples) >= MIN_PATHS_FOR_CONSTANTS;
     }
 
     /// Context of the picture's rays on the CPU.

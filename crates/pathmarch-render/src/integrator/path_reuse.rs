@@ -23,15 +23,21 @@ use crate::scene::TraceContext;
 use crate::scene::material::{DELTA, GLOWS, LAMBERTIAN, TRANSMITS};
 use crate::shading::surface_interaction::SurfaceInteraction;
 use crate::shading::textured_point::TexturedPoint;
+use crate::wgsl::shared_constants;
 use glam::{Mat3, Vec3};
 use pathmarch_scene::materials::{Bsdf, BsdfParameters};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Edge length of the tiles that groups are in, and pixels of a group.
-pub(super) const GROUP: u32 = 8;
-/// Number of slopes of groups.
-const SLOPES: u32 = 9;
+shared_constants! {
+    /// Edge length of the tiles that groups are in, and pixels of a group.
+    pub(super) const GROUP: u32 = 8;
+    /// Number of slopes of groups.
+    const SLOPES: u32 = 9;
+}
+
+/// Largest number of paths that share a camera ray in a kernel: the memory of a workgroup, 16 KiB, holds their second surfaces.
+pub(crate) const MAX_SPLITTING: u32 = 4;
 
 /// Camera hit of a pixel on an opaque surface that is no mirror.
 #[derive(Clone, Copy)]

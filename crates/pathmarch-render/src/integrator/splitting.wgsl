@@ -1,11 +1,5 @@
-// import: backend/gpu/film, integrator/path, loop_check
+// import: backend/gpu/film, integrator/camera_ray_index, integrator/path, loop_check
 // Samples of a pixel that share a camera ray. Twin of splitting.rs, which explains them.
-
-/// Index of the camera ray of a sample.
-fn camera_ray_index(sample: u32) -> u32 {
-    let unsplit = min(sample, UNSPLIT_SAMPLES);
-    return unsplit + (sample - unsplit) / SPLITTING;
-}
 
 /// Adds the film values of the slice's samples of a pixel to those before, one after the other.
 fn add_samples(before: vec4f, x: u32, y: u32) -> vec4f {

@@ -17,7 +17,7 @@
 
 use super::camera::{camera_rays, pixel_sampler};
 use super::splitting::UNSPLIT_SAMPLES;
-use super::{path, probe};
+use super::{path, path_reuse, probe};
 use crate::intersect::march::march;
 use crate::intersect::ray::RaySegment;
 use crate::metrics::RELMSE_EPSILON;
@@ -82,7 +82,8 @@ pub(crate) fn best_splitting(
         let k = f64::from(k);
         (between.max(0.0) + within / k) * (ray_cost + (k + lane_wait * k.sqrt()) * path_cost)
     };
-    let max_splitting = MAX_SPLITTING.min(samples / UNSPLIT_SAMPLES).max(1);
+    let max_splitting = if config.path_reuse { path_reuse::MAX_SPLITTING } else { MAX_SPLITTING };
+    let max_splitting = max_splitting.min(samples / UNSPLIT_SAMPLES).max(1);
     let powers_of_two = (0..=max_splitting.ilog2()).map(|k| 1 << k);
     powers_of_two.fold(1, |best, k| if error(k) < (1.0 - MIN_GAIN) * error(best) { k } else { best })
 }

@@ -39,6 +39,7 @@ pub(super) fn measure(scene: &Scene, settings: &Settings, input: &RenderInput, g
     let mut sample = input.clone();
     if !sample.reframe(scene, &small) {
         sample = RenderInput::new(scene, &small);
+        sample.choose_constants(settings);
     }
     sample.config.splitting = 1;
     let pixels = f64::from(size[0]) * f64::from(size[1]);

@@ -14,6 +14,7 @@ use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
 use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
 use crate::error::RenderError;
+use crate::integrator::path_reuse;
 use crate::output::exposure::suitable_stops;
 use crate::output::film::Film;
 use crate::ray_stats::{RayCounters, RayStats};
@@ -192,6 +193,7 @@ impl Renderer {
     fn trace(&self, scene: &Scene, settings: &Settings) -> Result<(Tracer, BackendInfo), RenderError> {
         settings.check(scene)?;
         let mut input = RenderInput::new(scene, settings);
+        input.choose_constants(settings);
         let Self { gpu, may_fall_back, mut notice, .. } = self.settled(scene, settings, &input);
         if let Some(gpu) = &gpu {
             match on_gpu(&mut input, settings, gpu) {
@@ -223,8 +225,13 @@ impl Renderer {
 fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -> Result<GpuJob, RenderError> {
     // Paths that share a camera ray cannot be resumed on adapters that end loops, see backend/gpu/loop_limit.rs.
     let limited = gpu.is_software() && input.scene.field.has_loops();
-    if settings.splitting.is_none() && !limited {
-        input.choose_splitting(settings.whole_samples.unwrap_or(settings.samples), true);
+    let samples = settings.whole_samples.unwrap_or(settings.samples);
+    if !limited {
+        input.choose_path_reuse(settings, samples);
+        input.config.path_reuse &= input.config.splitting <= path_reuse::MAX_SPLITTING;
+        if settings.splitting.is_none() {
+            input.choose_splitting(samples, true);
+        }
     }
     Ok(GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::OFFLINE)?.cropped(settings.rect()))
 }

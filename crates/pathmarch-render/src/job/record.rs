@@ -54,7 +54,7 @@ impl Job {
 
     /// True if pixels share light, see [`Settings::path_reuse`](crate::Settings::path_reuse).
     pub fn reuses_paths(&self) -> bool {
-        matches!(&self.work, Work::Still(super::tracer::Tracer::Cpu(job)) if job.reuses_paths())
+        matches!(&self.work, Work::Still(tracer) if tracer.reuses_paths())
     }
 
     fn is_whole(&self) -> bool {

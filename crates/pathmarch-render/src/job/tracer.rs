@@ -71,6 +71,14 @@ impl Tracer {
         }
     }
 
+    /// True if pixels share light.
+    pub(crate) fn reuses_paths(&self) -> bool {
+        match self {
+            Self::Gpu(job) => job.reuses_paths(),
+            Self::Cpu(job) => job.reuses_paths(),
+        }
+    }
+
     /// Film so far; finishes samples that are begun.
     pub(crate) fn film(&mut self) -> Result<Film, RenderError> {
         while !self.is_whole() {

@@ -64,6 +64,9 @@ pub(crate) struct KernelConfig {
     pub(crate) splitting: u32,
     /// Pixels share the light at second surfaces, see [`path_reuse`](crate::integrator::path_reuse).
     pub(crate) path_reuse: bool,
+    /// On a software adapter, the numbers of the field and of the frame are constants of the kernel, so that it suits one
+    /// picture only.
+    pub(crate) constant_numbers: bool,
     /// Grazing rays use a smaller hit tolerance. True where some sphere-traced object emits and none is a fractal,
     /// because the tolerance enlarges every emitter.
     pub(crate) refined_grazing: bool,
@@ -102,6 +105,7 @@ impl KernelConfig {
             relaxation: RELAXATION,
             splitting: if settings.mode == Mode::Path { settings.splitting.unwrap_or(1) } else { 1 },
             path_reuse: false,
+            constant_numbers: false,
             refined_grazing: scene.has_sphere_traced_emitter(),
         }
     }

@@ -93,7 +93,8 @@ pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings
         code += "\n// ---- textures ----\n";
         code += &textures_of(input);
     }
-    code + &shaders::with_imports("backend/gpu/trace", &[], &|name| implementation(name, input, bindings))
+    let entry = if input.config.path_reuse { "backend/gpu/trace_tiles" } else { "backend/gpu/trace" };
+    code + &shaders::with_imports(entry, &[], &|name| implementation(name, input, bindings))
 }
 
 /// Shader file that implements an interface; `None` for names of files.
@@ -185,6 +186,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("HAS_SPHERE_TRACED", scene.is_sphere_traced()),
         ("HAS_EMITTERS", scene.materials.iter().any(MaterialRecord::emits)),
         ("HAS_LIGHTS", !scene.lights.is_empty()),
+        ("HAS_ONE_LIGHT", scene.lights.len() == 1),
         ("HAS_FACING_LIGHTS", input.light_tree().is_some_and(|tree| tree.has_facing_lights)),
         ("HAS_SURFACE_LIGHTS", scene.lights.iter().any(|light| light.leaf().is_some())),
         ("HAS_REFLECTIONS", input.preview().is_some_and(Preview::has_reflections)),

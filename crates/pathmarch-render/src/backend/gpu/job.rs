@@ -45,6 +45,8 @@ pub(crate) struct GpuJob {
     kernel: Arc<Kernel>,
     bindings: wgpu::BindGroup,
     frame: wgpu::Buffer,
+    /// True if the kernel contains the frame.
+    frame_is_constant: bool,
     slices: wgpu::Buffer,
     slice_stride: u32,
     film: wgpu::Buffer,
@@ -70,6 +72,8 @@ pub(crate) struct GpuJob {
     quota: f64,
     /// Number of paths that share a camera ray: largest number of samples of a dispatch.
     splitting: u32,
+    /// True if pixels share light.
+    reuses_paths: bool,
     /// Submissions in flight: index, work and time of submission.
     in_flight: VecDeque<(wgpu::SubmissionIndex, f64, Instant)>,
     last_completion: Instant,
@@ -240,6 +244,7 @@ impl GpuJob {
         let slice =
             wgpu::BufferBinding { buffer: &slices, offset: 0, size: wgpu::BufferSize::new(size_of::<Slice>() as u64) };
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let used: Vec<u32> = source.bindings.all().collect();
         let mut entries = vec![
             entry(bindings::FRAME, frame.as_entire_binding()),
             entry(bindings::SLICE, wgpu::BindingResource::Buffer(slice)),
@@ -253,6 +258,7 @@ impl GpuJob {
             false => None,
         };
         entries.extend(suspended.iter().map(|paths| entry(bindings::SUSPENDED, paths.buffer.as_entire_binding())));
+        entries.retain(|entry| used.contains(&entry.binding));
         let bindings = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("trace"),
             layout: &kernel.layout,
@@ -275,6 +281,7 @@ impl GpuJob {
             kernel,
             bindings,
             frame,
+            frame_is_constant: source.bindings.frame_is_constant(),
             slices,
             slice_stride,
             film,
@@ -291,6 +298,7 @@ impl GpuJob {
             target,
             quota: f64::from(BAND * 64),
             splitting: input.config.splitting,
+            reuses_paths: input.config.path_reuse,
             in_flight: VecDeque::new(),
             last_completion: Instant::now(),
             timer: None,
@@ -309,10 +317,10 @@ impl GpuJob {
         Ok(job)
     }
 
-    /// Starts again with another frame of the same scene. Returns false if the film's buffer is too small.
+    /// Starts again with another frame of the same scene. Returns false if that needs a new job.
     pub(crate) fn reframe(&mut self, frame: &FrameUniforms, first_sample: u32) -> Result<bool, RenderError> {
         let size = frame.size();
-        if film_bytes(size) > self.film.size() {
+        if film_bytes(size) > self.film.size() || self.frame_is_constant {
             return Ok(false);
         }
         if let Some(photons) = &mut self.photons {
@@ -582,6 +590,11 @@ impl GpuJob {
     /// Takes further samples only in these rectangles. The caller ensures that no sample is half done.
     pub(crate) fn restrict(&mut self, rects: Vec<Rect>) {
         self.active = rects;
+    }
+
+    /// True if pixels share light.
+    pub(crate) fn reuses_paths(&self) -> bool {
+        self.reuses_paths
     }
 
     /// Number of paths that share a camera ray.

@@ -104,7 +104,11 @@ impl KernelCache {
             })),
             module: &module,
             entry_point: Some("trace"),
-            compilation_options: Default::default(),
+            // The kernels write their workgroup memory before they read it.
+            compilation_options: wgpu::PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: false,
+                ..Default::default()
+            },
             cache: None,
         });
         for scope in [memory, validation] {

@@ -209,10 +209,16 @@ fn scene_of(features: &[&Feature], path: &str) -> Scene {
     Scene::parse(path, &text).unwrap_or_else(|error| panic!("{names:?}: {error:?}\n{text}"))
 }
 
-/// Kernel source of a scene in a mode.
+/// Kernel source of a scene in a mode. With four paths for each camera ray, pixels share light where that is possible, and
+/// numbers are constants.
 fn kernel(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) -> String {
-    let settings = Settings { size: [8, 8], mode, splitting, ..Settings::of(scene) };
-    KernelSource::for_adapter(&RenderInput::new(scene, &settings).with_guides(), software).code
+    let settings = Settings { size: [8, 8], mode, splitting, path_reuse: Some(true), ..Settings::of(scene) };
+    let mut input = RenderInput::new(scene, &settings).with_guides();
+    if splitting == Some(4) {
+        input.choose_path_reuse(&settings, settings.samples);
+        input.config.constant_numbers = true;
+    }
+    KernelSource::for_adapter(&input, software).code
 }
 
 /// Parses and validates a kernel; returns the mistake with its line if it is not valid.
@@ -309,7 +315,7 @@ fn slow_every_scene_of_the_gallery_compiles_in_every_mode() {
         let scene = Scene::load(&file).expect("a valid scene");
         let name = file.file_stem().expect("a name").to_string_lossy().into_owned();
         let in_mode = move |mode: Mode| {
-            let splits = if mode == Mode::Path { vec![Some(1), Some(4)] } else { vec![Some(1)] };
+            let splits = if mode == Mode::Path { vec![Some(1), Some(2), Some(4)] } else { vec![Some(1)] };
             let named = |(splitting, software)| {
                 (format!("{name} in {}", mode.name()), kernel(&scene, mode, splitting, software))
             };

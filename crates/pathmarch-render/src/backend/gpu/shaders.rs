@@ -8,7 +8,7 @@ use super::encode;
 use super::loop_limit::SuspendedPath;
 use super::slice::Slice;
 use crate::integrator::{
-    guides, light_sampling, media_segment, medium, participating_media, path_state, shadow, splitting,
+    guides, light_sampling, media_segment, medium, participating_media, path_reuse, path_state, shadow, splitting,
 };
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
@@ -54,13 +54,16 @@ static FILES: &[ShaderFile] = shader_files![
             declaration::<MaterialRecord>(), material::shared_wgsl()].concat()
     },
     "backend/gpu/film",
+    "backend/gpu/lanes",
     "backend/gpu/loop_limit" shares declaration::<SuspendedPath>,
     "backend/gpu/loops_unlimited",
     "backend/gpu/sample",
     "backend/gpu/sample_resumed",
     "backend/gpu/trace",
+    "backend/gpu/trace_tiles",
     "integrator/absorbing_media",
     "integrator/camera",
+    "integrator/camera_ray_index" shares splitting::shared_wgsl,
     "integrator/guide" shares guides::shared_wgsl,
     "integrator/guides",
     "integrator/light_nodes_storage" shares declaration::<LightNode>,
@@ -83,13 +86,14 @@ static FILES: &[ShaderFile] = shader_files![
         [participating_media::shared_wgsl(), scene_medium::shared_wgsl(), scene_light::shared_wgsl()].concat()
     },
     "integrator/path" shares path_state::shared_wgsl,
+    "integrator/path_reuse" shares path_reuse::shared_wgsl,
     "integrator/path_segment",
     "integrator/penumbra",
     "integrator/photons" shares photon_map::shared_wgsl,
     "integrator/radiance",
     "integrator/shadow" shares shadow::shared_wgsl,
     "integrator/sky" shares encode::sky_kinds_wgsl,
-    "integrator/splitting" shares splitting::shared_wgsl,
+    "integrator/splitting",
     "intersect/march" shares march::shared_wgsl,
     "intersect/no_ray_kind",
     "intersect/ray",

@@ -1,0 +1,174 @@
+// import: backend/gpu/film, integrator/camera_ray_index, integrator/path
+// Samples of the pixels of a tile, which share the light at second surfaces. Twin of path_reuse.rs, which explains it.
+
+/// Second surface of a path; a path without one has no normal.
+struct SecondSurface {
+    p: vec3f,
+    /// Distance from `p` along `normal` to the origin of rays that leave the surface, metres.
+    offset: f32,
+    /// Unit normal on the side of the first surface.
+    normal: vec3f,
+    /// Radiance that leaves the surface, later divided by the density with which the group samples it.
+    radiance: vec3f,
+}
+
+/// Paths of a pixel in memory of the workgroup: as many as may share a camera ray.
+const PATHS = SPLITTING;
+
+/// Second surfaces of each pixel of the tile, row by row, its paths one after the other.
+var<workgroup> second_surfaces: array<SecondSurface, PATHS * GROUP * GROUP>;
+/// Densities over area with which each pixel samples the second surfaces of the pixels of its group, 1/m².
+var<workgroup> densities: array<f32, GROUP * GROUP * GROUP>;
+
+/// Product in the field of eight elements, with the polynomial x³ + x + 1.
+fn product(a: u32, b: u32) -> u32 {
+    let a2 = (a << 1u) ^ select(0u, 11u, (a & 4u) != 0u);
+    let a4 = (a2 << 1u) ^ select(0u, 11u, (a2 & 4u) != 0u);
+    return select(0u, a, (b & 1u) != 0u) ^ select(0u, a2, (b & 2u) != 0u) ^ select(0u, a4, (b & 4u) != 0u);
+}
+
+/// Slope of the groups of a tile for a camera ray.
+fn slope_of(tile: vec2u, ray_index: u32) -> u32 {
+    return hash(ray_index ^ hash(tile.x ^ hash(tile.y))) % SLOPES;
+}
+
+/// Index in its group of a pixel of the tile.
+fn index_in_group(pixel: vec2u, slope: u32) -> u32 {
+    return select(pixel.y, pixel.x, slope < GROUP);
+}
+
+/// Place in the tile of a pixel of the group of `pixel`.
+fn place_in_group(pixel: vec2u, slope: u32, index: u32) -> u32 {
+    if slope < GROUP {
+        return GROUP * (product(slope, index) ^ product(slope, pixel.x) ^ pixel.y) + index;
+    }
+    return GROUP * index + pixel.x;
+}
+
+/// True if the camera hit of a path is on an opaque surface that is no mirror, and not seen through a medium.
+fn shares(path: Path) -> bool {
+    let flags = materials[leaves[path.surface_at_hit.leaf].material].flags;
+    return (flags & (DELTA | TRANSMITS)) == 0u && (!ABSORPTION || all(absorption_of(path.medium) == vec3f(0.0)));
+}
+
+/// Adds the film values of the slice's samples of a pixel to those before. All invocations of the workgroup call it at once,
+/// also those of pixels outside the picture.
+fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
+    let pixel = vec2u(x, y) % GROUP;
+    let ray_index = camera_ray_index(slice.sample);
+    let slope = slope_of(vec2u(x, y) / GROUP, ray_index);
+    let first_second_surface = PATHS * (GROUP * pixel.y + pixel.x);
+    for (var k = 0u; k < PATHS; k++) {
+        second_surfaces[first_second_surface + k].normal = vec3f(0.0);
+    }
+    var sum = before;
+    var first_path: Path;
+    var is_shared = false;
+    if is_inside {
+        let sampler = pixel_sampler(x, y, ray_index, frame.seed);
+        first_path = path_from(camera_ray(x, y, sampler), sampler);
+        if path_intersect(&first_path) {
+            is_shared = shares(first_path);
+            sum += trace_paths(first_path, is_shared, first_second_surface);
+        } else {
+            sum += f32(slice.samples) * kept(film_value(first_path.radiance));
+        }
+    }
+    let interaction =
+        resolve_surface(first_path.ray.origin, first_path.ray.direction, first_path.hit, first_path.surface_at_hit);
+    let material = leaves[interaction.leaf].material;
+    if is_shared {
+        evaluate_textures(material, interaction, first_path.length);
+    }
+    let world_from_local = basis(interaction.normal);
+    let wo_unclamped = -first_path.ray.direction * world_from_local;
+    let wo = vec3f(wo_unclamped.xy, max(abs(wo_unclamped.z), 1e-5));
+    let origin = spawn_origin(interaction, false);
+    let own_place = GROUP * pixel.y + pixel.x;
+    let own_index = index_in_group(pixel, slope);
+    // No constant, so that compilers do not unroll the loops.
+    let group_size = GROUP * min(slice.samples, 1u);
+    var shared_radiance = vec3f(0.0);
+    workgroupBarrier();
+    for (var k = 0u; k < slice.samples; k++) {
+        // Connections with the second surfaces of the group: density, and BSDF times both cosines over the square of the distance.
+        var values: array<vec3f, GROUP>;
+        for (var index = 0u; index < group_size; index++) {
+            let second = second_surfaces[PATHS * place_in_group(pixel, slope, index) + k];
+            let offset = second.p - interaction.p;
+            let square = dot(offset, offset);
+            let direction = offset / sqrt(square);
+            let wi = direction * world_from_local;
+            let cosine = -dot(direction, second.normal);
+            var connection = vec4f(0.0);
+            if is_shared && square > 0.0 && wi.z > 0.0 && cosine > 0.0 {
+                connection = bsdf_eval(materials[material].kind, material, wo, wi, interaction.inside) * (cosine / square);
+            }
+            if connection.w > 0.0 && index != own_index {
+                let segment = second.p + second.normal * second.offset - origin;
+                let distance = length(segment);
+                if march(Ray(origin, segment / distance), first_path.length, distance).t >= 0.0 {
+                    connection = vec4f(0.0);
+                }
+            }
+            values[index] = connection.xyz;
+            densities[GROUP * own_place + index] = connection.w;
+        }
+        workgroupBarrier();
+        var density = 0.0;
+        for (var index = 0u; index < group_size; index++) {
+            density += densities[GROUP * place_in_group(pixel, slope, index) + own_index];
+        }
+        if density > 0.0 {
+            second_surfaces[first_second_surface + k].radiance /= density;
+        }
+        workgroupBarrier();
+        for (var index = 0u; index < group_size; index++) {
+            if any(values[index] > vec3f(0.0)) {
+                shared_radiance +=
+                    values[index] * second_surfaces[PATHS * place_in_group(pixel, slope, index) + k].radiance;
+            }
+        }
+    }
+    return sum + kept(shared_radiance);
+}
+
+/// Traces the slice's samples of a pixel from its camera hit on. Returns the sum of their film values, but for the light that
+/// leaves second surfaces, which it stores with them.
+fn trace_paths(first_path: Path, is_shared: bool, first_second_surface: u32) -> vec4f {
+    var sum = vec4f(0.0);
+    var samples_done = 0u;
+    var path = first_path;
+    path.sampler.sample = slice.sample;
+    var second: SecondSurface;
+    var radiance_before = vec3f(0.0);
+    // A lane whose path has ended takes the next path of its pixel, so that lanes do not wait for each other.
+    loop {
+        let goes_on = path_scatter(&path) && path_intersect(&path);
+        if goes_on {
+            let flags = materials[leaves[path.surface_at_hit.leaf].material].flags;
+            if is_shared && path.surfaces == 1u && (flags & (LAMBERTIAN | GLOWS)) == LAMBERTIAN {
+                let interaction = resolve_surface(path.ray.origin, path.ray.direction, path.hit, path.surface_at_hit);
+                second = SecondSurface(interaction.p, interaction.offset, interaction.normal, vec3f(0.0));
+                radiance_before = path.radiance;
+                path.radiance = vec3f(0.0);
+                path.throughput = vec3f(1.0);
+            }
+            continue;
+        }
+        if any(second.normal != vec3f(0.0)) {
+            second.radiance = path.radiance;
+            second_surfaces[first_second_surface + samples_done] = second;
+            path.radiance = radiance_before;
+            second.normal = vec3f(0.0);
+        }
+        sum += kept(film_value(path.radiance));
+        samples_done++;
+        if samples_done >= slice.samples {
+            break;
+        }
+        path = first_path;
+        path.sampler.sample = slice.sample + samples_done;
+    }
+    return sum;
+}
