@@ -157,6 +157,8 @@ pub fn entries(word: &str) -> Vec<Entry> {
     }));
     found.extend(settings_named(word, PLACEMENTS, std::slice::from_ref(&settings::NORMAL)));
     found.extend(TABLES.iter().flat_map(|(owner, table)| settings_named(word, owner, table)));
+    let of_properties = PROPERTIES.iter().filter(|(owner, _)| TABLES.iter().all(|(table, _)| table != owner));
+    found.extend(of_properties.flat_map(|(owner, table)| settings_named(word, owner, table)));
     if found.is_empty() {
         found.extend(missing_words::advice(word).map(|advice| Entry {
             owner: "",
@@ -257,7 +259,7 @@ fn nodes(word: &str) -> impl Iterator<Item = Entry> {
     let found = NODES.iter().filter(move |(name, _)| *name == word);
     found.map(|(name, doc)| {
         let tables = TABLES.iter().filter(|(owner, _)| owner == name);
-        let details = tables.flat_map(|(_, table)| table.iter()).map(in_line).collect();
+        let details = tables.flat_map(|(_, table)| table.iter()).map(in_line).chain(properties(name)).collect();
         Entry { owner: TOP_OF_FILE, title: format!("node `{name}`"), doc: (*doc).to_owned(), details }
     })
 }
