@@ -517,12 +517,6 @@ camera \"c\" { position 0 1 5; target 0 1 0; exposure \"autp\" }
 camera \"d\" { position 0 1 5; target 0 1 0; exposure \"bright\" }"
 );
 body!(
-    flux,
-    "material \"lamp\" { emit 2 }
-material \"wall\" { diffuse 0.5 }
-object \"a\" material=\"wall\" lumen=800 { sphere 1 }"
-);
-body!(
     endless_flux,
     "material \"lamp\" { emit 2 }
 object \"a\" material=\"lamp\" lumen=800 { plane }
@@ -533,7 +527,6 @@ body!(
     "material \"a\" { diffuse 1; decal; decal \"\" size=0; decal \"no.png\" siz=1 angle=200 opacity=2 world=1 }
 material \"b\" { emit 1; decal \"tests\" }
 material \"c\" { metal 1; decal \"tests\" { at 1 2; colour 1; scale 0 } }
-material \"d\" { diffuse { fbm { colour 0 at=0.5; colour 1 at=0.25; colour 1 } } }
 material \"e\" { diffuse { fbm { colour 0 at=2; colour 1 att=0.5; colour at=0.5 } } }
 material \"f\" { diffuse 0.5 at=1 }"
 );

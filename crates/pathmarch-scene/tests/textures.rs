@@ -202,6 +202,8 @@ fn colours_of_a_ramp_have_positions_where_they_are_given() {
         Some(vec![0.0, 0.25, 0.5, 0.5, 0.5 + 0.5 / 3.0, 0.5 + 1.0 / 3.0, 1.0])
     );
     assert_eq!(positions("colour 0.3 at=0.7"), Some(vec![0.7]));
+    // One that falls counts as the last one, as in CSS.
+    assert_eq!(positions("colour 0; colour 1 at=0.5; colour 0 at=0.25"), Some(vec![0.0, 0.5, 0.5]));
     let trap =
         material("diffuse 1; orbit-trap { colour 0; colour 1 at=\"1/4\"; colour 0 }").orbit_trap.expect("a trap");
     assert_eq!(trap.ramp.positions, Some(vec![0.0, 0.25, 1.0]));

@@ -37,7 +37,6 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
         ("param \"it\" 1 min=0 max=2 doc=\"What it does.\"", "it"),
         ("object \"it\" { sphere }", "it"),
         ("object it material=white { sphere }", "it"),
-        ("object it material=other { sphere }", "it"),
         ("object it material=other lumen=30 { sphere }", "it"),
     ]
     .into_iter()
@@ -54,7 +53,7 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
     }
     nodes.push((
         format!(
-            "material \"it\" {{ metal {{ fbm {{ colour 1 at=0.1; colour 0.5 at=0.4; colour 0 }} }}\n    decal \"{PICTURE_FILE}\"\n    \
+            "material \"it\" {{ metal {{ fbm {{ colour 1 at=0.1; colour 0.5 at=0.4; colour 0 }} }}\n    \
              decal \"{PICTURE_FILE}\" size=2 depth=1 angle=20 opacity=0.5 world=#true {{\n        at 1 2 3\n    }}\n}}"
         ),
         "it",
@@ -239,8 +238,9 @@ impl Number for Value {
 /// All of a scene but its texts, as text.
 pub(super) fn meaning(scene: &Scene) -> String {
     let Scene { cameras, render, sky, lights, materials, objects, field, params, .. } = scene;
-    let materials: Vec<_> =
-        materials.iter().map(|m| (&m.name, m.kind.name, &m.values, &m.orbit_trap, &m.textured, &m.bump)).collect();
+    let parts =
+        |m: &materials::Material| format!("{:?}{:?}{:?}{:?}{:?}", m.values, m.orbit_trap, m.textured, m.decals, m.bump);
+    let materials: Vec<_> = materials.iter().map(|m| (&m.name, m.kind.name, parts(m))).collect();
     let sky = match sky {
         pathmarch_scene::Sky::Map(map) => format!("{map:?} {:?}", &map.texels[map.texels.len() / 3]),
         sky => format!("{sky:?}"),
@@ -300,8 +300,9 @@ mod slow {
                     );
                     let after = all_values(&document);
                     let renamed = control.key == key::NAME;
-                    // A texture and an orbit trap bring controls of their own.
-                    let brings = control.key.ends_with(key::TEXTURE) || control.key == "orbit-trap";
+                    // A texture, an orbit trap and a material that emits bring controls of their own.
+                    let brings =
+                        control.key.ends_with(key::TEXTURE) || ["orbit-trap", key::MATERIAL].contains(&&*control.key);
                     assert!(brings || before.len() == after.len(), "{context}");
                     let find =
                         |old: &(String, String, Value)| after.iter().find(|new| (&new.0, &new.1) == (&old.0, &old.1));
@@ -349,7 +350,8 @@ fn resetting_a_control_gives_its_default() {
             }
             let now = document.control(&at, &control.key).unwrap();
             assert_eq!(now.value, control.default, "{context}\n{}", document.text());
-            let brings = control.key.ends_with(key::TEXTURE) || control.key == "orbit-trap";
+            let is_decal = control.key.starts_with("decal.") && control.key.ends_with(key::PICTURE);
+            let brings = control.key.ends_with(key::TEXTURE) || control.key == "orbit-trap" || is_decal;
             for (old, new) in before.iter().zip(&all_values(&document)).filter(|_| !brings) {
                 assert!(old == new || old.1 == control.key, "{context}: {old:?} became {new:?}\n{}", document.text());
             }

@@ -182,18 +182,21 @@ impl<'m> Solids<'m> {
         span: Span,
         context: &mut Context,
     ) -> HashMap<u32, u32> {
-        let (message, help) = match scale_emission(root, lumens, unit, &mut self.materials.list) {
+        match scale_emission(root, lumens, unit, &mut self.materials.list) {
             Ok(scaled) => return scaled,
-            Err(FluxError::Dark) => (
-                "This object emits nothing that `lumen` could scale.".to_owned(),
-                "Give it a material that emits: material \"lamp\" { emit 1 0.9 0.8 }.",
-            ),
-            Err(FluxError::Area(reason)) => (
-                format!("The area of this object is not known: {reason}."),
-                "Give its material a radiance instead: 1 lm on each m² is a radiance of 0.000466.",
-            ),
-        };
-        context.report.add(draft("pathmarch::no_flux", span, message).label("not here").help(help));
+            Err(FluxError::Dark) => {
+                let message = "`lumen` has no effect: no material of this object emits.";
+                let warning = draft("pathmarch::no_effect", span, message).label("no effect");
+                let help = "Give it a material that emits: material \"lamp\" { emit 1 0.9 0.8 }.";
+                context.report.warn(warning.help(help));
+            }
+            Err(FluxError::Area(reason)) => {
+                let message = format!("The area of this object is not known: {reason}.");
+                let mistake = draft("pathmarch::no_flux", span, message).label("not here");
+                let help = "Give its material a radiance instead: 1 lm on each m² is a radiance of 0.000466.";
+                context.report.add(mistake.help(help));
+            }
+        }
         HashMap::new()
     }
 
