@@ -53,7 +53,7 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
     }
     nodes.push((
         format!(
-            "material \"it\" {{ metal {{ fbm {{ colour 1 at=0.1; colour 0.5 at=0.4; colour 0 }} }}\n    \
+            "material \"it\" {{ metal {{ fbm {{ colour 1 at=0.1; colour 0.5 at=0.4; colour 0 at=0.9 }} }}\n    \
              decal \"{PICTURE_FILE}\" size=2 depth=1 angle=20 opacity=0.5 world=#true {{\n        at 1 2 3\n    }}\n}}"
         ),
         "it",
