@@ -11,7 +11,9 @@
 //! pictures at a grazing angle are sharper than a pixel, and the samples of the pixel average them.
 //!
 //! **Files.** PNG and JPEG, by way of the crate `image`; colours are sRGB, values that stand for numbers are linear. Alpha is
-//! ignored, except by decals. Larger pictures than 4096 texels a side are averaged down. **Cost.** Four bytes a texel and a third more.
+//! ignored, except by decals. Larger pictures than 4096 texels a side are averaged down.
+//!
+//! **Cost.** Four bytes a texel and a third more.
 
 use super::Spot;
 use glam::{Vec2, Vec3, Vec4};
