@@ -84,6 +84,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "" "bear" "jpg" "A toy bear on a turntable.";
     "" "bracket" "jpg" "A part for printing, in millimetres.";
     "" "bottle" "jpg" "A product shot with a logo.";
+    "" "tea" "jpg" "One picture as decals on a tin, a carton and a cup.";
     "" "environment" "jpg" "Lit by a picture of the sky.";
     "" "ten-lines" "png" "A whole scene in ten lines of text.";
     "thesis/" "orbit-traps" "jpg" "Three fractals, three orbit traps.";
@@ -116,6 +117,7 @@ pub static EXAMPLES: &[Example] = examples! {
 pub static ASSETS: &[(&str, &[u8])] = &[
     ("environment.exr", include_bytes!("environment.exr")),
     ("flight-helmet.glb", include_bytes!("flight-helmet.glb")),
+    ("logo.png", include_bytes!("logo.png")),
     ("spot.obj", include_bytes!("spot.obj")),
     ("spot.png", include_bytes!("spot.png")),
     ("suzanne.glb", include_bytes!("suzanne.glb")),

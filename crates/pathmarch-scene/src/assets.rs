@@ -174,11 +174,27 @@ impl Assets {
 
     /// The picture of a texture in the file at `path`; `encoded` where its codes stand for colours.
     pub(crate) fn texture(&mut self, path: &Path, encoded: bool) -> Result<Arc<Texture>, PictureError> {
+        self.texels(path, (encoded, false), || Texture::load(path, encoded))
+    }
+
+    /// The picture of a decal in the file at `path`, with its alpha.
+    pub(crate) fn decal(&mut self, path: &Path) -> Result<Arc<Texture>, PictureError> {
+        self.texels(path, (true, true), || Texture::load_with_alpha(path))
+    }
+
+    fn texels(
+        &mut self,
+        path: &Path,
+        kind: (bool, bool),
+        load: impl FnOnce() -> Result<Texture, PictureError>,
+    ) -> Result<Arc<Texture>, PictureError> {
         let source = Source::now(path);
-        let is_it = |(known, picture): &(Source, Arc<Texture>)| *known == source && picture.encoded == encoded;
+        let is_it = |(known, picture): &(Source, Arc<Texture>)| {
+            *known == source && (picture.encoded, picture.has_alpha) == kind
+        };
         let picture = match self.textures.iter().position(is_it) {
             Some(index) => self.textures.remove(index).1,
-            None => Arc::new(Texture::load(path, encoded)?),
+            None => Arc::new(load()?),
         };
         self.textures.truncate(TEXTURES - 1);
         self.textures.insert(0, (source, picture.clone()));

@@ -3,6 +3,7 @@
 mod declared;
 mod document;
 mod extremes;
+mod flux;
 mod formulas;
 mod glass;
 mod include;

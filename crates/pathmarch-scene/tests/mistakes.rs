@@ -510,6 +510,27 @@ material \"c\" { emit 1; orbit-trap { colour 1 } }
 material \"d\" { glass 1; orbit-trap \"line\" \"plane\" size=2; orbit-trap { colour 2 } }"
 );
 body!(
+    near_auto,
+    "camera \"a\" { position 0 1 5; target 0 1 0; exposure \"automatic\" }
+camera \"b\" { position 0 1 5; target 0 1 0; exposure Auto }
+camera \"c\" { position 0 1 5; target 0 1 0; exposure \"autp\" }
+camera \"d\" { position 0 1 5; target 0 1 0; exposure \"bright\" }"
+);
+body!(
+    endless_flux,
+    "material \"lamp\" { emit 2 }
+object \"a\" material=\"lamp\" lumen=800 { plane }
+object \"b\" material=\"lamp\" lumen=-1 { sphere 1 }"
+);
+body!(
+    decals_and_ramps,
+    "material \"a\" { diffuse 1; decal; decal \"\" size=0; decal \"no.png\" siz=1 angle=200 opacity=2 world=1 }
+material \"b\" { emit 1; decal \"tests\" }
+material \"c\" { metal 1; decal \"tests\" { at 1 2; colour 1; scale 0 } }
+material \"e\" { diffuse { fbm { colour 0 at=2; colour 1 att=0.5; colour at=0.5 } } }
+material \"f\" { diffuse 0.5 at=1 }"
+);
+body!(
     textures,
     "material \"a\" { diffuse { marbel size=0.1 } }
 material \"b\" { diffuse 0.5 { fbm } }

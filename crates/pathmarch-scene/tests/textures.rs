@@ -5,7 +5,7 @@ use crate::random::Random;
 use glam::Vec3;
 use pathmarch_field::Placement;
 use pathmarch_scene::materials::{TextureMapping, Texturing, kinds};
-use pathmarch_scene::textures::{self, MeshAttributes, Pattern, Spot, Texture, TextureKind, TextureParameters};
+use pathmarch_scene::textures::{self, MeshAttributes, Pattern, Ramp, Spot, Texture, TextureKind, TextureParameters};
 use pathmarch_scene::{Material, Scene};
 
 fn spot(p: Vec3) -> Spot {
@@ -173,7 +173,7 @@ fn every_way_to_write_a_texture_is_read() {
     );
     let names: Vec<_> = it.textured.iter().map(|painted| it.kind.params[painted.param].name()).collect();
     assert_eq!(names, ["colour", "metallic", "roughness"]);
-    assert_eq!(it.textured[0].mapping, TextureMapping::Ramp(vec![[1.0, 0.5, 0.0], [0.0; 3]]));
+    assert_eq!(it.textured[0].mapping, TextureMapping::Ramp(Ramp::even(vec![[1.0, 0.5, 0.0], [0.0; 3]])));
     assert_eq!(it.textured[2].mapping, TextureMapping::Range([0.6, 0.1]));
     assert!((it.value("roughness").expect("a parameter")[0] - 0.35).abs() < 1e-6);
     assert_eq!(it.albedo(), [0.5, 0.25, 0.0]);
@@ -183,4 +183,28 @@ fn every_way_to_write_a_texture_is_read() {
         let all: Vec<String> = kind.params.iter().map(|param| format!("{}={}", param.name, param.default)).collect();
         material(&format!("diffuse {{ {} {} }}", kind.name, all.join(" ")));
     }
+}
+
+#[test]
+fn colours_of_a_ramp_have_positions_where_they_are_given() {
+    let positions = |colours: &str| {
+        let it = material(&format!("diffuse {{ fbm {{ {colours} }} }}"));
+        match &it.textured[0].mapping {
+            TextureMapping::Ramp(ramp) => ramp.positions.clone(),
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(positions("colour 0; colour 1"), None);
+    assert_eq!(positions("colour 0; colour \"#fff\" at=0.5"), Some(vec![0.0, 0.5]));
+    assert_eq!(positions("colour 0 at=0.25; colour 1"), Some(vec![0.25, 1.0]));
+    assert_eq!(
+        positions("colour 0; colour 1; colour 0 at=0.5; colour 1 0 0 at=0.5; colour 1; colour 1; colour 0.5"),
+        Some(vec![0.0, 0.25, 0.5, 0.5, 0.5 + 0.5 / 3.0, 0.5 + 1.0 / 3.0, 1.0])
+    );
+    assert_eq!(positions("colour 0.3 at=0.7"), Some(vec![0.7]));
+    // One that falls counts as the last one, as in CSS.
+    assert_eq!(positions("colour 0; colour 1 at=0.5; colour 0 at=0.25"), Some(vec![0.0, 0.5, 0.5]));
+    let trap =
+        material("diffuse 1; orbit-trap { colour 0; colour 1 at=\"1/4\"; colour 0 }").orbit_trap.expect("a trap");
+    assert_eq!(trap.ramp.positions, Some(vec![0.0, 0.25, 1.0]));
 }

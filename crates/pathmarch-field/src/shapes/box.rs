@@ -36,6 +36,9 @@ impl ShapeDef for Shape {
     fn emitter([x, y, z]: [f32; 3]) -> Emitter {
         Emitter::Box([x, y, z])
     }
+    fn area([x, y, z]: [f32; 3]) -> Option<f32> {
+        Some(2.0 * (x * y + y * z + z * x))
+    }
     fn bounds([x, y, z]: [f32; 3]) -> Aabb {
         Aabb::centred(0.5 * x, 0.5 * y, 0.5 * z)
     }

@@ -8,6 +8,7 @@ use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::ShapeDef;
 use crate::ray_interval::RayInterval;
+use std::f32::consts::PI;
 
 pub(crate) struct Shape;
 
@@ -35,6 +36,9 @@ impl ShapeDef for Shape {
         let cylinder = super::cylinder::Shape::interval(origin, direction, [radius, height]);
         let end = |y: N| super::sphere::Shape::interval(Vec3::new(origin.x, origin.y - y, origin.z), direction, [radius]);
         cylinder.union(end(half)).union(end(-half))
+    }
+    fn area([radius, height]: [f32; 2]) -> Option<f32> {
+        Some(2.0 * PI * radius * (height + 2.0 * radius))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height + radius, radius)

@@ -11,6 +11,7 @@ use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::ShapeDef;
 use crate::ray_interval::{T_MAX, RayInterval};
+use std::f32::consts::PI;
 
 pub(crate) struct Shape;
 
@@ -72,6 +73,9 @@ impl ShapeDef for Shape {
             leave: N::select(missed, nowhere.leave, side.leave),
         };
         side.intersection(RayInterval::slab(origin.y, direction.y, half))
+    }
+    fn area([radius, height]: [f32; 2]) -> Option<f32> {
+        Some(PI * radius * (radius + radius.hypot(height)))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, radius)

@@ -7,6 +7,7 @@ use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::ShapeDef;
 use crate::ray_interval::RayInterval;
+use std::f32::consts::PI;
 
 pub(crate) struct Shape;
 
@@ -41,6 +42,9 @@ impl ShapeDef for Shape {
             leave: N::select(parallel, within.leave, side.leave),
         };
         side.intersection(RayInterval::slab(origin.y, direction.y, height * N::constant(0.5)))
+    }
+    fn area([radius, height]: [f32; 2]) -> Option<f32> {
+        Some(2.0 * PI * radius * (radius + height))
     }
     fn bounds([radius, height]: [f32; 2]) -> Aabb {
         Aabb::centred(radius, 0.5 * height, radius)

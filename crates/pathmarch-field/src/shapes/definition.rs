@@ -36,6 +36,10 @@ pub trait ShapeDef: Send + Sync + 'static {
     fn emitter(_params: Self::Params<f32>) -> Emitter {
         Emitter::Bounded
     }
+    /// Area of the surface, of a sheet that of one side, square metres; `None` where there is no formula.
+    fn area(_params: Self::Params<f32>) -> Option<f32> {
+        None
+    }
     /// True if the solid is convex and [`interval`](Self::interval) is implemented.
     const CONVEX: bool = false;
     /// Interval of a line inside a convex solid, metres from `origin` along the unit vector `direction`.

@@ -9,6 +9,7 @@ use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::{Emitter, ShapeDef};
 use crate::ray_interval::T_MAX;
+use std::f32::consts::PI;
 
 pub(crate) struct Shape;
 
@@ -31,6 +32,9 @@ impl ShapeDef for Shape {
     }
     fn emitter([radius]: [f32; 1]) -> Emitter {
         Emitter::Disc(radius)
+    }
+    fn area([radius]: [f32; 1]) -> Option<f32> {
+        Some(PI * radius * radius)
     }
     fn bounds([radius]: [f32; 1]) -> Aabb {
         Aabb::centred(radius, 0.0, radius)

@@ -81,6 +81,10 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     fn emitter(&self, _params: &[f32]) -> Emitter {
         Emitter::Bounded
     }
+    /// Area of the surface, of a sheet that of one side, square metres; `None` where there is no formula.
+    fn area(&self, _params: &[f32]) -> Option<f32> {
+        None
+    }
     /// Reports whether rays intersect it analytically.
     fn is_analytic(&self) -> bool {
         false

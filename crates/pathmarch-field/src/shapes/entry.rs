@@ -74,6 +74,9 @@ impl<T: ShapeDef> Shape for Entry<T> {
     fn emitter(&self, params: &[f32]) -> Emitter {
         T::emitter(values(params))
     }
+    fn area(&self, params: &[f32]) -> Option<f32> {
+        T::area(values(params))
+    }
     fn is_analytic(&self) -> bool {
         T::ANALYTIC
     }

@@ -37,6 +37,9 @@ impl ShapeDef for Shape {
     fn emitter([x, z]: [f32; 2]) -> Emitter {
         Emitter::Rect([x, z])
     }
+    fn area([x, z]: [f32; 2]) -> Option<f32> {
+        Some(x * z)
+    }
     fn bounds([x, z]: [f32; 2]) -> Aabb {
         Aabb::centred(0.5 * x, 0.0, 0.5 * z)
     }

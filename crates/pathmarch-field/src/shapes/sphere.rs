@@ -6,6 +6,7 @@ use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::{Emitter, ShapeDef};
 use crate::ray_interval::RayInterval;
+use std::f32::consts::PI;
 
 pub(crate) struct Shape;
 
@@ -28,6 +29,9 @@ impl ShapeDef for Shape {
     }
     fn emitter([radius]: [f32; 1]) -> Emitter {
         Emitter::Sphere(radius)
+    }
+    fn area([radius]: [f32; 1]) -> Option<f32> {
+        Some(4.0 * PI * radius * radius)
     }
     fn bounds([radius]: [f32; 1]) -> Aabb {
         Aabb::centred(radius, radius, radius)

@@ -5,6 +5,7 @@ use crate::info::Info;
 use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use crate::shapes::ShapeDef;
+use std::f32::consts::PI;
 
 pub(crate) struct Shape;
 
@@ -21,6 +22,10 @@ impl ShapeDef for Shape {
     fn distance<N: Real>(p: Vec3<N>, [major, minor]: [N; 2]) -> N {
         let from_ring = (p.x.hypot(p.z) - major).named("from_ring");
         from_ring.hypot(p.y) - minor
+    }
+    fn area([major, minor]: [f32; 2]) -> Option<f32> {
+        // A ring that overlaps itself has no formula.
+        (minor <= major).then_some(4.0 * PI * PI * major * minor)
     }
     fn bounds([major, minor]: [f32; 2]) -> Aabb {
         Aabb::centred(major + minor, minor, major + minor)

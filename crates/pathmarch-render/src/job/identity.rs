@@ -14,10 +14,13 @@ fn contents_hash(scene: &Scene) -> String {
     scene.includes.iter().filter_map(|file| std::fs::read(file).ok()).for_each(|bytes| hash.update(bytes));
     hash.update(format!("{:?}{:?}", scene.objects, scene.lights).as_bytes());
     for material in &scene.materials {
-        let Material { name, kind, values, orbit_trap, textured, bump, normal_map, emission_texture } = material;
+        let Material { name, kind, values, orbit_trap, textured, decals, bump, normal_map, emission_texture } =
+            material;
         hash.update(format!("{name:?}{}{values:?}{orbit_trap:?}{textured:?}{bump:?}", kind.name).as_bytes());
-        hash.update(format!("{normal_map:?}{emission_texture:?}").as_bytes());
+        hash.update(format!("{normal_map:?}{emission_texture:?}{decals:?}").as_bytes());
     }
+    let decals = scene.materials.iter().flat_map(|material| &material.decals);
+    decals.for_each(|decal| hash.update(bytemuck::cast_slice(&decal.picture.texels)));
     let textures = scene.materials.iter().flat_map(|material| &material.textured).map(|textured| &textured.texture);
     let bumps = scene.materials.iter().filter_map(|material| material.bump.as_ref()).map(|bump| &bump.texture);
     let normal_maps =

@@ -43,6 +43,8 @@ pub(crate) struct KernelConfig {
     pub(crate) penumbra: bool,
     /// Some material is textured.
     pub(crate) textures: bool,
+    /// Some material has decals.
+    pub(crate) decals: bool,
     /// Some texture is at the texture coordinates of meshes.
     pub(crate) uv_textures: bool,
     /// Some leaf is a [`MESH_FIELD`].
@@ -93,6 +95,7 @@ impl KernelConfig {
             traced_caustics: false,
             penumbra: scene.lights.iter().any(|light| penumbra(&light.shape)),
             textures: textured(|material| !material.is_plain()),
+            decals: textured(TexturedMaterial::has_decals),
             uv_textures: textured(TexturedMaterial::has_uv_textures),
             mesh_fields: scene.leaves.iter().any(|leaf| leaf.has(MESH_FIELD)),
             orbits: textured(TexturedMaterial::has_orbit),

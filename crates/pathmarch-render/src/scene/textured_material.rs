@@ -1,7 +1,7 @@
 //! Textured materials: the parameters of a material that vary along surfaces.
 //!
-//! A material is packed into the parameters of its BSDF. Textures and orbit traps ([`OrbitTrap`]) replace some of them
-//! at each surface interaction. A colour is replaced directly. For any other parameter, the material is packed in
+//! A material is packed into the parameters of its BSDF. Textures, orbit traps ([`OrbitTrap`]) and decals replace some of
+//! them at each surface interaction. A colour is replaced directly. For any other parameter, the material is packed in
 //! advance for [`KNOTS`] values, and parameters between two knots are interpolated: the parameters of `principled` are
 //! integrals that take too long for a path. The flags of a material (transmission, delta distribution) are the same
 //! everywhere on it.
@@ -11,7 +11,7 @@ use crate::wgsl::shared_constants;
 use pathmarch_scene::materials::{
     Bsdf, BsdfParameters, Bump, Material, NormalMap, OrbitTrap, TextureMapping, Texturing,
 };
-use pathmarch_scene::textures::{Pattern, Texture};
+use pathmarch_scene::textures::{Decal, Pattern, Ramp, Texture};
 
 shared_constants! {
     /// Number of values of a parameter for which the material is packed.
@@ -23,18 +23,20 @@ shared_constants! {
 pub(crate) enum Source {
     Orbit(OrbitTrap),
     Texture(Texture),
+    /// A picture over the colour of the layers before.
+    Decal(Decal),
 }
 
 /// Parameters of the BSDF that a layer replaces.
 #[derive(Clone, Debug)]
 pub(crate) enum Change {
     /// Three parameters from index `first` on: a colour of the ramp, or that of the texture without a ramp.
-    Colour { first: usize, ramp: Option<Vec<[f32; 3]>> },
+    Colour { first: usize, ramp: Option<Ramp> },
     /// Parameters at these indices, and their values at each knot.
     Parameters { indices: Vec<usize>, knots: Vec<Vec<f32>> },
 }
 
-/// Texture or orbit trap that replaces parameters of a material.
+/// Texture, orbit trap or decal that replaces parameters of a material.
 #[derive(Clone, Debug)]
 pub(crate) struct Layer {
     pub(crate) source: Source,
@@ -46,7 +48,7 @@ pub(crate) struct Layer {
     pub(crate) base: [f32; 3],
 }
 
-/// Textures, bump map, normal map and orbit trap of a material.
+/// Textures, bump map, normal map, orbit trap and decals of a material.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TexturedMaterial {
     pub(crate) layers: Vec<Layer>,
@@ -63,8 +65,8 @@ impl TexturedMaterial {
         for textured in &material.textured {
             let source = Source::Texture(textured.texture.clone());
             let layer = match (material.kind.params[textured.param].texturing, &textured.mapping) {
-                (Texturing::Colour(first), TextureMapping::Ramp(colours)) => {
-                    Layer::of_colour(material, textured.param, first, source, Some(colours.clone()))
+                (Texturing::Colour(first), TextureMapping::Ramp(ramp)) => {
+                    Layer::of_colour(material, textured.param, first, source, Some(ramp.clone()))
                 }
                 (Texturing::Colour(first), _) => Layer::of_colour(material, textured.param, first, source, None),
                 (_, TextureMapping::Range(range)) => Layer::of_number(material, bsdf, textured.param, source, *range),
@@ -72,12 +74,14 @@ impl TexturedMaterial {
             };
             layers.push(layer);
         }
-        // The orbit trap comes last: on fractals it replaces textures.
-        if let Some(trap) = &material.orbit_trap
-            && let Some(Texturing::Colour(first)) = material.kind.params.first().map(|param| param.texturing)
-        {
-            let ramp = Some(trap.colours.clone());
-            layers.push(Layer::of_colour(material, 0, first, Source::Orbit(trap.clone()), ramp));
+        // The orbit trap comes after textures, as it replaces them on fractals, and decals are above all.
+        if let Some(Texturing::Colour(first)) = material.kind.params.first().map(|param| param.texturing) {
+            if let Some(trap) = &material.orbit_trap {
+                let ramp = Some(trap.ramp.clone());
+                layers.push(Layer::of_colour(material, 0, first, Source::Orbit(trap.clone()), ramp));
+            }
+            let decals = material.decals.iter().map(|decal| Source::Decal(decal.clone()));
+            layers.extend(decals.map(|decal| Layer::of_colour(material, 0, first, decal, None)));
         }
         let (normal_map, emission) = (material.normal_map.clone(), material.emission_texture.clone());
         Self { layers, bump: material.bump.clone(), normal_map, emission }
@@ -104,15 +108,19 @@ impl TexturedMaterial {
     pub(crate) fn trap_centre(&self) -> Option<[f32; 3]> {
         self.layers.iter().find_map(|layer| match &layer.source {
             Source::Orbit(trap) => Some(trap.centre),
-            Source::Texture(_) => None,
+            Source::Texture(_) | Source::Decal(_) => None,
         })
+    }
+
+    pub(crate) fn has_decals(&self) -> bool {
+        self.layers.iter().any(|layer| matches!(layer.source, Source::Decal(_)))
     }
 
     /// Textures of all layers, of the bump and normal map, and of the emission.
     pub(crate) fn textures(&self) -> impl Iterator<Item = &Texture> {
         let of_layers = self.layers.iter().filter_map(|layer| match &layer.source {
             Source::Texture(texture) => Some(texture),
-            Source::Orbit(_) => None,
+            Source::Orbit(_) | Source::Decal(_) => None,
         });
         let maps = self.bump.iter().map(|bump| &bump.texture).chain(self.normal_map.iter().map(|map| &map.texture));
         of_layers.chain(maps).chain(&self.emission)
@@ -136,7 +144,7 @@ impl TexturedMaterial {
 
 impl Layer {
     /// Layer that replaces a colour.
-    fn of_colour(material: &Material, param: usize, first: usize, source: Source, ramp: Option<Vec<[f32; 3]>>) -> Self {
+    fn of_colour(material: &Material, param: usize, first: usize, source: Source, ramp: Option<Ramp>) -> Self {
         let preview_of = |grey: f32| {
             let mut values = material.values.clone();
             values[param] = [grey; 3];

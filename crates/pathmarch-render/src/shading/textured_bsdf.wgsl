@@ -17,8 +17,8 @@ fn begin_textures(m: u32) {
 fn apply_layer(layer: u32, texel: vec4f) {
     let first_or_count = scene_data[layer + LAYER_PLACE];
     if scene_data[layer + LAYER_KIND] != PACKED_LAYER {
-        let colour = layer_colour(layer, texel);
         let vector = first_or_count / 4u;
+        let colour = layer_colour(layer, texel, textured_parameters[vector].xyz);
         textured_parameters[vector] = vec4f(colour, textured_parameters[vector].w);
         return;
     }

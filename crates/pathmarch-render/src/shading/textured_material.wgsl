@@ -8,6 +8,8 @@ var<private> bump_gradient: vec3f;
 var<private> map_normal: vec3f;
 /// Tangent in world space, of any length, and sign of the bitangent.
 var<private> map_tangent: vec4f;
+/// The interaction in the coordinates of the scene, for decals that are placed there.
+var<private> world_spot: Spot;
 /// Emitted radiance at the interaction that was evaluated last, if a texture varies it.
 var<private> textured_emission: vec3f;
 
@@ -62,10 +64,14 @@ fn texture_picture(texture: u32) -> TexturePicture {
     return TexturePicture(scene_data[at], scene_data[at + 1u], scene_data[at + 2u], scene_data[at + 3u], scene_data[at + 5u] != 0u);
 }
 
-/// Colour (xyz) and value (w) of the texture at offset `texture_offset`. The value of an orbit trap is below 0 on a
-/// shape without orbit.
-fn texture_at(texture_offset: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
+/// Colour (xyz) and value (w) of the texture at offset `texture_offset`; of a decal, colour times alpha and alpha. The value
+/// of an orbit trap is below 0 on a shape without orbit.
+fn texture_at(texture_offset: u32, leaf: u32, spot_of_leaf: Spot) -> vec4f {
     let kind = scene_data[texture_offset];
+    var leaf_spot = spot_of_leaf;
+    if HAS_DECALS && kind == WORLD_DECAL_SOURCE {
+        leaf_spot = world_spot;
+    }
     if HAS_ORBITS && kind == ORBIT_SOURCE {
         if !has_orbit(leaf) {
             return vec4f(0.0, 0.0, 0.0, -1.0);
@@ -92,6 +98,12 @@ fn texture_at(texture_offset: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
         let colour = picture_projected(picture, spot, texture_number(texture_offset + TEXTURE_PARAMETERS + 4u));
         return vec4f(colour, clamp(dot(colour, vec3f(0.2126, 0.7152, 0.0722)), 0.0, 1.0));
     }
+    if HAS_DECALS && (kind == DECAL_SOURCE || kind == WORLD_DECAL_SOURCE) {
+        let at = texture_offset + TEXTURE_PARAMETERS;
+        let picture = TexturePicture(scene_data[at], scene_data[at + 1u], scene_data[at + 2u], scene_data[at + 3u], true);
+        let depth = texture_number(at + 5u);
+        return decal_at(picture, spot, texture_number(at + 4u), depth, texture_number(at + 6u), texture_number(at + 7u));
+    }
     var parameters: array<f32, 8>;
     for (var k = 0u; k < 8u; k++) {
         parameters[k] = texture_number(texture_offset + TEXTURE_PARAMETERS + k);
@@ -101,17 +113,40 @@ fn texture_at(texture_offset: u32, leaf: u32, leaf_spot: Spot) -> vec4f {
     return vec4f(select(0.0, min(value, 1.0), value > 0.0));
 }
 
-/// Colour of a layer, from the colour and value of its texture.
-fn layer_colour(layer: u32, texel: vec4f) -> vec3f {
-    if scene_data[layer + LAYER_KIND] == OWN_COLOURS_LAYER {
+/// Colour of a layer over the colour `below`, from the colour and value of its texture.
+fn layer_colour(layer: u32, texel: vec4f, below: vec3f) -> vec3f {
+    let kind = scene_data[layer + LAYER_KIND];
+    if kind == OWN_COLOURS_LAYER {
         return texel.xyz;
     }
+    if HAS_DECALS && kind == DECAL_LAYER {
+        return below * (1.0 - texel.w) + texel.xyz;
+    }
     let last = scene_data[layer + LAYER_CONTENTS];
+    if kind == POSITIONED_RAMP_LAYER {
+        return positioned_colour(layer + LAYER_CONTENTS + 1u, last, texel.w);
+    }
     let position = texel.w * f32(last);
     let first = min(u32(position), max(last, 1u) - 1u);
     let a = texture_vector(layer + LAYER_CONTENTS + 1u + 3u * first);
     let b = texture_vector(layer + LAYER_CONTENTS + 1u + 3u * min(first + 1u, last));
     return a + (b - a) * (position - f32(first));
+}
+
+/// Colour of a value on a ramp of `last` + 1 colours, which start at `colours`, with their positions after them.
+fn positioned_colour(colours: u32, last: u32, value: f32) -> vec3f {
+    let positions = colours + 3u * (last + 1u);
+    var above = 0u;
+    while above <= last && texture_number(positions + above) <= value {
+        above++;
+    }
+    if above == 0u || above > last {
+        return texture_vector(colours + 3u * min(above, last));
+    }
+    let start = texture_number(positions + above - 1u);
+    let part = (value - start) / (texture_number(positions + above) - start);
+    let a = texture_vector(colours + 3u * (above - 1u));
+    return a + (texture_vector(colours + 3u * above) - a) * part;
 }
 
 /// Evaluates the textures of material `m` at an interaction, at the end of a path of this length.
@@ -133,6 +168,9 @@ fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) 
     let local_normal = (outward * cofactors) * select(1.0, -1.0, determinant < 0.0);
     let normal = select(vec3f(0.0, 1.0, 0.0), normalize(local_normal), dot(local_normal, local_normal) > 0.0);
     let spot = Spot(coordinates.p, normal, frame.pixel * path_length / unit_length);
+    if HAS_DECALS {
+        world_spot = Spot(interaction.p, outward, frame.pixel * path_length);
+    }
     let layers = scene_data[material];
     let bump = scene_data[material + 1u];
     var step = 1.0;

@@ -21,7 +21,7 @@ use glam::Vec3;
 use pathmarch_field::graph::Coordinates;
 use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_scene::materials::BsdfParameters;
-use pathmarch_scene::textures::{MeshAttributes, Spot, ramp};
+use pathmarch_scene::textures::{Decal, DecalSpace, MeshAttributes, Ramp, Spot};
 
 /// Two knots around a value, and the interpolation weight of the second.
 fn interval<T>(knots: &[T], value: f32) -> (&T, &T, f32) {
@@ -33,7 +33,10 @@ fn interval<T>(knots: &[T], value: f32) -> (&T, &T, f32) {
 /// Point on a textured surface.
 pub(crate) struct TexturedPoint<'p> {
     material: &'p TexturedMaterial,
+    /// The point in the coordinates of its shape.
     spot: Spot,
+    /// The point in the coordinates of the scene.
+    world_spot: Spot,
     coordinates: Coordinates,
     orbit: Option<[f32; 6]>,
     /// Length of a local unit, metres.
@@ -72,6 +75,8 @@ impl<'p> TexturedPoint<'p> {
         (p, outward, attributes): (Vec3, Vec3, MeshAttributes),
         path_length: f32,
     ) -> Option<Self> {
+        let footprint = ctx.frame.pixel * path_length;
+        let world_spot = Spot { p, normal: outward, footprint, attributes };
         let p = FieldVec3::new(p.x, p.y, p.z);
         let coordinates = ctx.scene.field.coordinates(leaf, p)?;
         let vector = |v: FieldVec3<f32>| Vec3::new(v.x, v.y, v.z);
@@ -82,11 +87,10 @@ impl<'p> TexturedPoint<'p> {
         let unit_length = determinant.abs().max(1e-30).cbrt().recip();
         let local_normal = Vec3::from_array(cofactors.map(|cofactor| cofactor.dot(outward)));
         let normal = (local_normal * determinant.signum()).normalize_or(Vec3::Y);
-        let footprint = ctx.frame.pixel * path_length;
         let spot = Spot { p: vector(coordinates.point), normal, footprint: footprint / unit_length, attributes };
         let centre = material.trap_centre().map(|[x, y, z]| FieldVec3::new(x, y, z));
         let orbit = centre.and_then(|centre| ctx.scene.field.orbit(leaf, p, centre));
-        Some(Self { material, spot, coordinates, orbit, unit_length })
+        Some(Self { material, spot, world_spot, coordinates, orbit, unit_length })
     }
 
     /// Value of a source at this point; `None` for an orbit trap on a shape without orbit.
@@ -94,14 +98,26 @@ impl<'p> TexturedPoint<'p> {
         match source {
             Source::Orbit(trap) => self.orbit.as_ref().map(|orbit| trap.place(orbit)),
             Source::Texture(texture) => Some(texture.value(&self.spot)),
+            // It has no value, and layers of numbers have none.
+            Source::Decal(_) => None,
         }
     }
 
-    /// Colour of a source at this point: that of the ramp, or of the texture without a ramp.
-    fn source_colour(&self, source: &Source, colours: Option<&Vec<[f32; 3]>>) -> Option<Vec3> {
-        match (colours, source) {
+    /// This point in the coordinates of a decal's placement.
+    fn spot_of(&self, decal: &Decal) -> &Spot {
+        match decal.space {
+            DecalSpace::Shape => &self.spot,
+            DecalSpace::World => &self.world_spot,
+        }
+    }
+
+    /// Colour of a source at this point: that of the ramp, or of the texture without a ramp, or of a decal over the
+    /// colour `below`.
+    fn source_colour(&self, source: &Source, ramp: Option<&Ramp>, below: Vec3) -> Option<Vec3> {
+        match (ramp, source) {
+            (_, Source::Decal(decal)) => Some(decal.over(below, self.spot_of(decal))),
             (None, Source::Texture(texture)) => Some(texture.colour(&self.spot)),
-            (Some(colours), _) => Some(ramp(colours, self.value(source)?).into()),
+            (Some(ramp), _) => Some(ramp.colour(self.value(source)?).into()),
             (None, Source::Orbit(_)) => None,
         }
     }
@@ -112,7 +128,8 @@ impl<'p> TexturedPoint<'p> {
         for layer in &self.material.layers {
             match &layer.change {
                 Change::Colour { first, ramp } => {
-                    if let Some(colour) = self.source_colour(&layer.source, ramp.as_ref()) {
+                    let below = Vec3::from_slice(&parameters[*first..]);
+                    if let Some(colour) = self.source_colour(&layer.source, ramp.as_ref(), below) {
                         parameters[*first..*first + 3].copy_from_slice(&colour.to_array());
                     }
                 }
@@ -130,21 +147,30 @@ impl<'p> TexturedPoint<'p> {
 
     /// Colour of the material, its first parameter; `None` if no texture replaces it.
     pub(crate) fn colour(&self) -> Option<Vec3> {
-        let mut colours = self.material.layers.iter().filter_map(|layer| match &layer.change {
-            Change::Colour { first: 0, ramp } => self.source_colour(&layer.source, ramp.as_ref()),
-            _ => None,
-        });
-        colours.next_back()
+        let mut found: Option<Vec3> = None;
+        for layer in &self.material.layers {
+            if let Change::Colour { first: 0, ramp } = &layer.change {
+                let below = found.unwrap_or(layer.base.into());
+                found = self.source_colour(&layer.source, ramp.as_ref(), below).or(found);
+            }
+        }
+        found
     }
 
     /// Parameters of the preview material at this point.
     pub(crate) fn preview(&self, preview: PreviewParameters) -> PreviewParameters {
         let mut parameters = preview;
+        // Colour of the first parameter so far.
+        let mut first_colour: Option<Vec3> = None;
         for layer in &self.material.layers {
             match &layer.change {
-                Change::Colour { ramp, .. } => {
-                    let Some(colour) = self.source_colour(&layer.source, ramp.as_ref()) else { continue };
-                    let change = colour - Vec3::from(layer.base);
+                Change::Colour { first, ramp } => {
+                    let below = first_colour.filter(|_| *first == 0).unwrap_or(layer.base.into());
+                    let Some(colour) = self.source_colour(&layer.source, ramp.as_ref(), below) else { continue };
+                    let change = colour - below;
+                    if *first == 0 {
+                        first_colour = Some(colour);
+                    }
                     (0..PREVIEW_PARAMETERS).for_each(|k| parameters[k] += layer.previews[0][k] * change[channel(k)]);
                 }
                 Change::Parameters { .. } => {

@@ -3,8 +3,12 @@
 /// Changes of the preview material at the interaction that was evaluated last.
 var<private> preview_changes: array<f32, PREVIEW_PARAMETERS>;
 
+/// Colour of the first parameter so far; w is 0 without a texture of it.
+var<private> first_colour: vec4f;
+
 /// Starts the evaluation of the textures of material `m`.
 fn begin_textures(m: u32) {
+    first_colour = vec4f(0.0);
     preview_changes = array<f32, PREVIEW_PARAMETERS>();
 }
 
@@ -12,7 +16,13 @@ fn begin_textures(m: u32) {
 fn apply_layer(layer: u32, texel: vec4f) {
     let previews = scene_data[layer + LAYER_PREVIEWS];
     if scene_data[layer + LAYER_KIND] != PACKED_LAYER {
-        let change = layer_colour(layer, texel) - texture_vector(previews);
+        let is_first = scene_data[layer + LAYER_PLACE] == 0u;
+        let below = select(texture_vector(previews), first_colour.xyz, is_first && first_colour.w > 0.0);
+        let colour = layer_colour(layer, texel, below);
+        let change = colour - below;
+        if is_first {
+            first_colour = vec4f(colour, 1.0);
+        }
         for (var k = 0u; k < PREVIEW_PARAMETERS; k++) {
             preview_changes[k] += texture_number(previews + 3u + k) * change[select((max(k, 4u) - 4u) % 3u, k, k < 3u)];
         }

@@ -54,8 +54,12 @@ pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Node of a material that perturbs its normals.
 pub(crate) const BUMP: &str = "bump";
+/// Node of a material that projects a picture onto it.
+pub(crate) const DECAL: &str = "decal";
 /// Node of a colour ramp.
 pub(crate) const COLOUR: &str = "colour";
+/// Property of a ramp's colour: its value.
+pub(crate) const COLOUR_POSITION: &str = "at";
 /// Node of a material that colours fractals by their orbits.
 pub(crate) const ORBIT_TRAP: &str = "orbit-trap";
 /// Properties of an orbit trap and their defaults: its centre, and its values at the first and the last colour.

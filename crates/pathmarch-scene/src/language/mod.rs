@@ -235,7 +235,7 @@ fn scene(
     let mut declared = Declarations::gather(&all.nodes, fields, context);
     Solids::check(&mut materials, &mut declared, fields, (source.name, assets), context);
     let mut solids = Solids::new(&mut materials, &declared, fields, Files { scene: source.name, assets });
-    let objects = of_all("object").filter_map(|node| solids.object(node, context)).collect();
+    let objects = of_all("object").filter_map(|node| solids.object(node, unit, context)).collect();
     let scene = Scene {
         unit,
         cameras,

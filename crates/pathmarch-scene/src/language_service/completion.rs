@@ -149,7 +149,7 @@ fn word(text: &str, at: usize, is_part: impl Fn(char) -> bool) -> Range<usize> {
 
 /// Settings in braces or properties of one of these owners.
 fn setting(name: &str, owners: &[&str]) -> Option<&'static Setting> {
-    let tables: [(&str, &[Setting]); 14] = [
+    let tables: [(&str, &[Setting]); 16] = [
         ("camera", settings::CAMERA),
         ("render", settings::RENDER),
         ("fog", settings::FOG),
@@ -162,6 +162,8 @@ fn setting(name: &str, owners: &[&str]) -> Option<&'static Setting> {
         ("sky", settings::PICTURE),
         ("lens", settings::LENS),
         ("mesh", settings::MESH),
+        ("decal", settings::DECAL),
+        ("object", settings::EMITTER),
         (reference::PLACEMENTS, settings::PLACEMENT),
         (reference::PLACEMENTS, std::slice::from_ref(&settings::NORMAL)),
     ];

@@ -1,5 +1,6 @@
 //! The word at a place of a text.
 
+use crate::language::keywords::DECAL;
 use crate::language::tree::{Block, Entry, Node, Span};
 use crate::materials;
 use crate::reference::{IN_OBJECTS, MATERIAL_KINDS, PLACEMENTS, TEXTURES, TOP_OF_FILE};
@@ -62,6 +63,7 @@ pub(super) fn owners_in<'b>(parents: &[&'b Node<'static>]) -> Vec<&'b str> {
             let kinds = parent.child_nodes().iter().filter_map(|child| materials::kind(&child.name.value));
             owners.extend(kinds.map(|kind| kind.name).chain([MATERIAL_KINDS]));
         }
+        DECAL => owners.push(PLACEMENTS),
         _ if parents.iter().rev().nth(1).is_some_and(|node| node.name.value == "material") => owners.push(TEXTURES),
         name if textures::names().contains(&name) => owners.extend([PLACEMENTS, TEXTURES]),
         _ if parents.iter().any(|node| matches!(&*node.name.value, "object" | "shape")) => {

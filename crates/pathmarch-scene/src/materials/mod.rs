@@ -11,7 +11,7 @@ mod microfacet;
 mod orbit_trap;
 
 use crate::medium::Medium;
-use crate::textures::{Pattern, Texture};
+use crate::textures::{Decal, Pattern, Ramp, Texture};
 use glam::Vec3;
 pub use glass::straight_transmittance;
 pub use microfacet::fresnel;
@@ -430,6 +430,8 @@ pub struct Material {
     pub orbit_trap: Option<OrbitTrap>,
     /// Textured parameters. Their entries in `values` are averages.
     pub textured: Vec<TexturedParameter>,
+    /// Pictures over the first parameter, a colour, from the lowest to the topmost.
+    pub decals: Vec<Decal>,
     /// Bump texture that perturbs the normals.
     pub bump: Option<Bump>,
     /// Normal map of meshes.
@@ -453,10 +455,7 @@ impl TexturedParameter {
     /// Average value of the parameter, for uses without textures.
     pub fn average(&self) -> [f32; 3] {
         match (&self.mapping, &self.texture.pattern) {
-            (TextureMapping::Ramp(colours), _) => {
-                let sum = colours.iter().fold(Vec3::ZERO, |sum, colour| sum + Vec3::from(*colour));
-                (sum / colours.len().max(1) as f32).into()
-            }
+            (TextureMapping::Ramp(ramp), _) => ramp.mean(),
             (TextureMapping::Direct, Pattern::Picture { picture, .. }) => picture.mean().into(),
             (TextureMapping::Direct, Pattern::UvPicture { picture, mapping }) => {
                 (picture.mean() * Vec3::from(mapping.factor)).into()
@@ -470,8 +469,8 @@ impl TexturedParameter {
 /// Mapping from values of a texture to values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TextureMapping {
-    /// Positions on a colour ramp, see [`ramp`](crate::textures::ramp); at least one colour.
-    Ramp(Vec<[f32; 3]>),
+    /// Positions on a colour ramp.
+    Ramp(Ramp),
     /// The colours of the texture itself.
     Direct,
     /// Linear from the first number, for 0, to the second, for 1.
@@ -518,6 +517,7 @@ impl Material {
             values,
             orbit_trap: None,
             textured: Vec::new(),
+            decals: Vec::new(),
             bump: None,
             normal_map: None,
             emission_texture: None,
@@ -554,6 +554,16 @@ impl Material {
     /// Radiance in every outward direction, W/(m² sr); black for what is no light.
     pub fn emission(&self) -> [f32; 3] {
         (self.kind.emission)(&self.values)
+    }
+    /// The same material with this factor of its emission.
+    pub(crate) fn with_emission_scaled(&self, factor: f32) -> Self {
+        let mut scaled = self.clone();
+        let index =
+            if self.is_lamp() { Some(0) } else { self.kind.params.iter().position(|param| param.name() == "emission") };
+        if let Some(index) = index {
+            scaled.values[index] = scaled.values[index].map(|channel| channel * factor);
+        }
+        scaled
     }
     /// True if light passes to the other side.
     pub fn transmits(&self) -> bool {

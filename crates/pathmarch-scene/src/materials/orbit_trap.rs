@@ -1,7 +1,7 @@
 //! Orbit traps: a colour by what the orbit of a fractal's point comes near to (Pickover and Khorasani 1985; for solids
 //! Quilez 2009, "Mandelbulb"). The orbit is followed once, where a ray has hit; the march knows nothing of it.
 
-use crate::textures::ramp;
+use crate::textures::Ramp;
 
 /// Geometry that traps orbits: the numbers of [`Field::orbit`](pathmarch_field::Field::orbit), in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,8 +46,8 @@ pub struct OrbitTrap {
     pub centre: [f32; 3],
     /// Values of the trap at the first and the last colour.
     pub range: [f32; 2],
-    /// Linear Rec. 709, evenly spaced over the range; at least one.
-    pub colours: Vec<[f32; 3]>,
+    /// Colours over the range.
+    pub ramp: Ramp,
 }
 
 impl OrbitTrap {
@@ -62,13 +62,13 @@ impl OrbitTrap {
 
     /// The colour for the numbers of an orbit.
     pub fn colour(&self, orbit: &[f32]) -> [f32; 3] {
-        ramp(&self.colours, self.place(orbit))
+        self.ramp.colour(self.place(orbit))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{OrbitTrap, Trap};
+    use super::{OrbitTrap, Ramp, Trap};
 
     #[test]
     fn colours_are_evenly_spaced_and_end_at_both_ends() {
@@ -76,7 +76,7 @@ mod tests {
             trap: Trap::Line,
             centre: [0.0; 3],
             range: [1.0, 3.0],
-            colours: vec![[0.0; 3], [1.0, 0.5, 0.0], [1.0; 3]],
+            ramp: Ramp::even(vec![[0.0; 3], [1.0, 0.5, 0.0], [1.0; 3]]),
         };
         for (value, colour) in [
             (-9.0, [0.0; 3]),
@@ -89,7 +89,7 @@ mod tests {
         }
         trap.range = [3.0, 1.0];
         assert_eq!(trap.colour(&[7.0, 2.5, 7.0, 7.0, 7.0]), [0.5, 0.25, 0.0]);
-        trap.colours.truncate(1);
+        trap.ramp.colours.truncate(1);
         assert_eq!(trap.colour(&[7.0, 2.5, 7.0, 7.0, 7.0]), [0.0; 3]);
     }
 }

@@ -70,21 +70,24 @@ const TABLES: [(&str, &[Setting]); 10] = [
 ];
 
 /// Tables of settings that are properties, with their node.
-const PROPERTIES: [(&str, &[Setting]); 8] = [
+const PROPERTIES: [(&str, &[Setting]); 10] = [
     ("lens", settings::LENS),
     ("sky \"day\"", settings::DAY),
     ("sky", settings::PICTURE),
     ("mesh", settings::MESH),
+    ("decal", settings::DECAL),
     ("object", settings::VISIBILITY),
+    ("object", settings::EMITTER),
     ("sun", settings::VISIBILITY),
     ("point", settings::VISIBILITY),
     ("spot", settings::VISIBILITY),
 ];
 
 /// Nodes that no table has, with their owner and help.
-const OTHER_NODES: [(&str, &str, &str); 12] = [
+const OTHER_NODES: [(&str, &str, &str); 13] = [
     (MATERIAL_KINDS, "bump", "Texture of heights that turns the normals of a surface."),
     (MATERIAL_KINDS, "orbit-trap", "Colours of a fractal by the orbits of its points."),
+    (MATERIAL_KINDS, "decal", "Picture that is projected once, over the colour of a material: a label, a logo."),
     (TEXTURES, "picture", "Picture of a .png or .jpg file."),
     (TEXTURES, "colour", "Colour of a ramp, from the lowest value to the highest."),
     (IN_OBJECTS, "mesh", "Triangles of a mesh file, or their distance field."),
@@ -98,13 +101,14 @@ const OTHER_NODES: [(&str, &str, &str); 12] = [
 ];
 
 /// Properties that no table has, with their owner and help.
-const OTHER_PROPERTIES: [(&str, &str, &str); 16] = [
+const OTHER_PROPERTIES: [(&str, &str, &str); 17] = [
     ("param", "min", "Smallest value that it may have."),
     ("param", "max", "Largest value that it may have."),
     ("param", "doc", "Help: one sentence."),
     ("glsl", "entry", "Name of the distance function."),
     ("point", "corner", "Of a curve: makes a corner there."),
     ("text", "font", "Path of a .ttf, .otf or .ttc file, relative to the scene file."),
+    ("colour", "at", "Value that has this colour, from 0 to 1; colours without it are evenly spaced."),
     ("picture", "size", "Width of the picture, metres. Default 1."),
     ("bump", "height", "Height of the texture's largest value, metres."),
     ("picture", "uv", "Texture coordinates of the mesh instead of a projection."),
@@ -149,10 +153,12 @@ pub fn entries(word: &str) -> Vec<Entry> {
         owner,
         title: format!("`{name}` of {owner}"),
         doc: (*doc).to_owned(),
-        details: Vec::new(),
+        details: properties(name),
     }));
     found.extend(settings_named(word, PLACEMENTS, std::slice::from_ref(&settings::NORMAL)));
     found.extend(TABLES.iter().flat_map(|(owner, table)| settings_named(word, owner, table)));
+    let of_properties = PROPERTIES.iter().filter(|(owner, _)| TABLES.iter().all(|(table, _)| table != owner));
+    found.extend(of_properties.flat_map(|(owner, table)| settings_named(word, owner, table)));
     if found.is_empty() {
         found.extend(missing_words::advice(word).map(|advice| Entry {
             owner: "",
@@ -162,6 +168,14 @@ pub fn entries(word: &str) -> Vec<Entry> {
         }));
     }
     found
+}
+
+/// Properties of a node that belongs to no table of settings, one a line.
+fn properties(node: &str) -> Vec<String> {
+    let of_tables =
+        PROPERTIES.iter().filter(|(owner, _)| *owner == node).flat_map(|(_, table)| table.iter()).map(in_line);
+    let others = OTHER_PROPERTIES.iter().filter(|(owner, ..)| *owner == node);
+    of_tables.chain(others.map(|(_, word, doc)| format!("{word}  {doc}"))).collect()
 }
 
 /// Every word of the language that [`entries`] knows, in alphabetical order.
@@ -245,7 +259,7 @@ fn nodes(word: &str) -> impl Iterator<Item = Entry> {
     let found = NODES.iter().filter(move |(name, _)| *name == word);
     found.map(|(name, doc)| {
         let tables = TABLES.iter().filter(|(owner, _)| owner == name);
-        let details = tables.flat_map(|(_, table)| table.iter()).map(in_line).collect();
+        let details = tables.flat_map(|(_, table)| table.iter()).map(in_line).chain(properties(name)).collect();
         Entry { owner: TOP_OF_FILE, title: format!("node `{name}`"), doc: (*doc).to_owned(), details }
     })
 }

@@ -9,6 +9,8 @@
 
 mod blend;
 mod camera;
+mod decal;
+mod emitter;
 mod fog;
 mod lights;
 mod mesh;
@@ -19,6 +21,8 @@ mod visibility;
 
 pub use blend::BLEND;
 pub use camera::{CAMERA, EXPOSURE, LENS};
+pub use decal::DECAL;
+pub use emitter::EMITTER;
 pub use fog::FOG;
 pub use lights::{POINT, SPOT, SUN};
 pub use mesh::MESH;

@@ -3,18 +3,22 @@
 //! A texture is one file that declares a [`TextureKind`], a pair `x.rs` and `x.wgsl`; the name in the list below is its
 //! registration. The parser, the window, both renderers and the tests read [`kinds`]. A texture is evaluated in the
 //! coordinates of its shape ([`Field::coordinates`](pathmarch_field::Field::coordinates)), so that it moves with the
-//! shape, and may be placed there. The textured parameter maps its values: to positions on a colour ramp ([`ramp`]), to
-//! a range of numbers, to heights.
+//! shape, and may be placed there. The textured parameter maps its values: to positions on a colour ramp ([`Ramp`]), to
+//! a range of numbers, to heights. A [`Decal`] is a picture over the colour of a material.
 
+mod decal;
 mod noise;
 mod picture;
+mod ramp;
 mod uv;
 
+pub use decal::{Decal, DecalSpace};
 use glam::Vec3;
 pub use pathmarch_field::MeshAttributes;
 use pathmarch_field::Param;
 use pathmarch_field::graph::Pose;
 pub use picture::{Picture, PictureError};
+pub use ramp::Ramp;
 use std::sync::Arc;
 
 /// Largest number of parameters of a texture.
@@ -65,6 +69,8 @@ pub const SHARED_WGSL: &str = include_str!("noise.wgsl");
 /// WGSL of pictures: `picture_projected(picture: TexturePicture, spot: Spot, size: f32) -> vec3f`, with the picture's texels in
 /// the array `tables`.
 pub const PICTURE_WGSL: &str = include_str!("picture.wgsl");
+/// WGSL of decals, after [`PICTURE_WGSL`]: `decal_at(picture: TexturePicture, spot: Spot, …) -> vec4f`.
+pub const DECAL_WGSL: &str = include_str!("decal.wgsl");
 
 pub use uv::{Channel, UvMapping};
 
@@ -137,22 +143,23 @@ pub struct Texture {
     pub pose: Pose,
 }
 
-impl Texture {
-    /// The matrix from offsets in the shape's coordinates to the texture's.
-    fn rows(&self) -> [Vec3; 3] {
-        self.pose.local_from_world().map(Vec3::from)
+/// A spot in the coordinates in which a pose is given, as one in the coordinates of the pose.
+fn placed(pose: &Pose, spot: &Spot) -> Spot {
+    let offset = spot.p - Vec3::from(pose.at);
+    let rows: [Vec3; 3] = pose.local_from_world().map(Vec3::from);
+    let turned = |v: Vec3| Vec3::from_array(rows.map(|row| row.dot(v)));
+    Spot {
+        p: turned(offset),
+        normal: turned(spot.normal) * pose.scale,
+        footprint: spot.footprint / pose.scale,
+        attributes: spot.attributes,
     }
+}
 
+impl Texture {
     /// A spot of the shape as one of the texture.
     fn placed(&self, spot: &Spot) -> Spot {
-        let offset = spot.p - Vec3::from(self.pose.at);
-        let turned = |v: Vec3| Vec3::from_array(self.rows().map(|row| row.dot(v)));
-        Spot {
-            p: turned(offset),
-            normal: turned(spot.normal) * self.pose.scale,
-            footprint: spot.footprint / self.pose.scale,
-            attributes: spot.attributes,
-        }
+        placed(&self.pose, spot)
     }
 
     /// Its value at a spot of the shape, 0 to 1; of a picture, its luminance.
@@ -193,13 +200,3 @@ impl Texture {
 
 /// Luminance weights of linear Rec. 709.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
-
-/// The colour at a place from 0 to 1 of a row of colours that are evenly spaced; at least one.
-pub fn ramp(colours: &[[f32; 3]], place: f32) -> [f32; 3] {
-    let last = colours.len().saturating_sub(1);
-    let place = place.clamp(0.0, 1.0) * last as f32;
-    let first = (place as usize).min(last.saturating_sub(1));
-    let part = place - first as f32;
-    let (a, b) = (colours[first], colours[(first + 1).min(last)]);
-    std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part)
-}

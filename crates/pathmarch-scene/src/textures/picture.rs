@@ -11,11 +11,13 @@
 //! pictures at a grazing angle are sharper than a pixel, and the samples of the pixel average them.
 //!
 //! **Files.** PNG and JPEG, by way of the crate `image`; colours are sRGB, values that stand for numbers are linear. Alpha is
-//! ignored. Larger pictures than 4096 texels a side are averaged down. **Cost.** Four bytes a texel and a third more.
+//! ignored, except by decals. Larger pictures than 4096 texels a side are averaged down.
+//!
+//! **Cost.** Four bytes a texel and a third more.
 
 use super::Spot;
-use glam::{Vec2, Vec3};
-use image::{ImageReader, Limits, Rgb, RgbImage};
+use glam::{Vec2, Vec3, Vec4};
+use image::{DynamicImage, ImageReader, Limits, Rgb, RgbImage};
 use pathmarch_mesh::files;
 use std::io::{BufReader, ErrorKind};
 use std::path::Path;
@@ -36,8 +38,10 @@ pub struct Picture {
     pub height: u32,
     /// True if its codes are sRGB.
     pub encoded: bool,
-    /// Red, green and blue codes of a byte each, the lowest first; all levels, the whole picture first, each half as wide and high
-    /// (rounded down, at least 1) as the one before, to the last of one texel.
+    /// True if texels have an alpha.
+    pub has_alpha: bool,
+    /// Red, green and blue codes and alpha, a byte each, the lowest first; all levels, the whole picture first, each half as wide
+    /// and high (rounded down, at least 1) as the one before, to the last of one texel. Alpha is 0 in pictures without it.
     pub texels: Vec<u32>,
 }
 
@@ -90,53 +94,39 @@ impl Picture {
     /// # Errors
     /// [`PictureError`] if the file is no picture.
     pub fn load(path: &Path, encoded: bool) -> Result<Self, PictureError> {
-        let unreadable = |error: std::io::Error| match error.kind() {
-            ErrorKind::NotFound => PictureError::Missing,
-            _ => PictureError::Unreadable(error.to_string()),
-        };
-        let file = files::open(path).map_err(unreadable)?;
-        if file.is_directory().map_err(unreadable)? {
-            return Err(PictureError::Directory);
-        }
-        let read = |file: BufReader<files::File>| -> Result<ImageReader<_>, PictureError> {
-            let reader = ImageReader::new(file).with_guessed_format().map_err(unreadable)?;
-            match reader.format() {
-                Some(image::ImageFormat::Png | image::ImageFormat::Jpeg) => Ok(reader),
-                _ => Err(PictureError::UnknownFormat),
-            }
-        };
-        let first_line = |error: image::ImageError| {
-            let reason = error.to_string();
-            PictureError::Damaged(reason.lines().next().unwrap_or_default().chars().take(200).collect())
-        };
-        let (width, height) = read(BufReader::new(file))?.into_dimensions().map_err(first_line)?;
-        if width.max(height) > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_TEXELS {
-            return Err(PictureError::TooLarge(width, height));
-        }
-        let mut reader = read(BufReader::new(files::open(path).map_err(unreadable)?))?;
-        let mut limits = Limits::no_limits();
-        limits.max_alloc = Some(16 * MAX_TEXELS);
-        reader.limits(limits);
-        Ok(Self::of_image(reader.decode().map_err(first_line)?.into_rgb8(), encoded))
+        Ok(Self::of_image(decode(path)?.into_rgb8(), encoded))
+    }
+
+    /// Loads the picture in the file at `path`, of colours in sRGB, with its alpha.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the file is no picture.
+    pub fn load_with_alpha(path: &Path) -> Result<Self, PictureError> {
+        let image = decode(path)?.into_rgba8();
+        let size = image.dimensions();
+        Ok(Self::of_texels(image.pixels().map(|pixel| u32::from_le_bytes(pixel.0)).collect(), size, true, true))
     }
 
     /// The picture with these texels of the whole.
     pub(crate) fn of_image(image: RgbImage, encoded: bool) -> Self {
-        let mut level = image;
-        while level.width().max(level.height()) > KEPT_SIDE {
-            level = halved(&level, encoded);
+        let size = image.dimensions();
+        let pack = |Rgb([r, g, b]): &Rgb<u8>| u32::from_le_bytes([*r, *g, *b, 0]);
+        Self::of_texels(image.pixels().map(pack).collect(), size, encoded, false)
+    }
+
+    fn of_texels(texels: Vec<u32>, size: (u32, u32), encoded: bool, has_alpha: bool) -> Self {
+        let mut level = Level { texels, width: size.0, height: size.1 };
+        while level.width.max(level.height) > KEPT_SIDE {
+            level = level.halved(encoded, has_alpha);
         }
-        let (width, height) = level.dimensions();
+        let (width, height) = (level.width, level.height);
         let mut texels = Vec::new();
-        loop {
-            let pack = |Rgb([r, g, b]): &Rgb<u8>| u32::from_le_bytes([*r, *g, *b, 0]);
-            texels.extend(level.pixels().map(pack));
-            if level.dimensions() == (1, 1) {
-                break;
-            }
-            level = halved(&level, encoded);
+        while level.texels.len() > 1 {
+            texels.extend(&level.texels);
+            level = level.halved(encoded, has_alpha);
         }
-        Self { width, height, encoded, texels }
+        texels.extend(level.texels);
+        Self { width, height, encoded, has_alpha, texels }
     }
 
     /// White picture of one texel.
@@ -187,6 +177,39 @@ impl Picture {
         row(y0).lerp(row(y1), part.y)
     }
 
+    /// Colour times alpha, and alpha, of a texel of a level that starts at `start`.
+    fn texel_with_alpha(&self, start: usize, width: u32, x: u32, y: u32) -> Vec4 {
+        let [.., alpha] = self.texels[start + (y * width + x) as usize].to_le_bytes();
+        let alpha = f32::from(alpha) / 255.0;
+        (self.texel(start, width, x, y) * alpha).extend(alpha)
+    }
+
+    /// As [`Self::bilinear`], with alpha, and the outermost texels beyond the edges.
+    fn bilinear_with_alpha(&self, level: u32, place: Vec2) -> Vec4 {
+        let (start, width, height) = self.level(level);
+        let at = Vec2::new(place.x * width as f32, (1.0 - place.y) * height as f32) - 0.5;
+        let corner = at.floor();
+        let part = at - corner;
+        let clamped = |v: f32, count: u32| v.clamp(0.0, (count - 1) as f32) as u32;
+        let (x0, x1) = (clamped(corner.x, width), clamped(corner.x + 1.0, width));
+        let (y0, y1) = (clamped(corner.y, height), clamped(corner.y + 1.0, height));
+        let texel = |x: u32, y: u32| self.texel_with_alpha(start, width, x, y);
+        let row = |y: u32| texel(x0, y).lerp(texel(x1, y), part.x);
+        row(y0).lerp(row(y1), part.y)
+    }
+
+    /// Colour times alpha, and alpha, around a place from 0 to 1, over `texels` texels.
+    pub(super) fn filtered_with_alpha(&self, texels: f32, place: Vec2) -> Vec4 {
+        let last = self.levels() - 1;
+        let level = texels.max(1.0).log2().min(last as f32);
+        let first = level.floor();
+        let fine = self.bilinear_with_alpha((first as u32).min(last), place);
+        if level == first {
+            return fine;
+        }
+        fine.lerp(self.bilinear_with_alpha((first as u32 + 1).min(last), place), level - first)
+    }
+
     fn filtered(&self, level: f32, place: Vec2) -> Vec3 {
         let first = level.floor();
         let last = self.levels() - 1;
@@ -222,6 +245,38 @@ impl Picture {
     }
 }
 
+/// Decodes the file at `path`.
+fn decode(path: &Path) -> Result<DynamicImage, PictureError> {
+    let unreadable = |error: std::io::Error| match error.kind() {
+        ErrorKind::NotFound => PictureError::Missing,
+        _ => PictureError::Unreadable(error.to_string()),
+    };
+    let file = files::open(path).map_err(unreadable)?;
+    if file.is_directory().map_err(unreadable)? {
+        return Err(PictureError::Directory);
+    }
+    let read = |file: BufReader<files::File>| -> Result<ImageReader<_>, PictureError> {
+        let reader = ImageReader::new(file).with_guessed_format().map_err(unreadable)?;
+        match reader.format() {
+            Some(image::ImageFormat::Png | image::ImageFormat::Jpeg) => Ok(reader),
+            _ => Err(PictureError::UnknownFormat),
+        }
+    };
+    let first_line = |error: image::ImageError| {
+        let reason = error.to_string();
+        PictureError::Damaged(reason.lines().next().unwrap_or_default().chars().take(200).collect())
+    };
+    let (width, height) = read(BufReader::new(file))?.into_dimensions().map_err(first_line)?;
+    if width.max(height) > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_TEXELS {
+        return Err(PictureError::TooLarge(width, height));
+    }
+    let mut reader = read(BufReader::new(files::open(path).map_err(unreadable)?))?;
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(16 * MAX_TEXELS);
+    reader.limits(limits);
+    reader.decode().map_err(first_line)
+}
+
 /// Light of a code from 0 to 1.
 fn light(code: f32, encoded: bool) -> f32 {
     match encoded {
@@ -240,21 +295,41 @@ fn code(light: f32, encoded: bool) -> f32 {
     }
 }
 
-/// Half as wide and as high; each texel is the mean of those that it covers.
-fn halved(picture: &RgbImage, encoded: bool) -> RgbImage {
-    let table: Vec<f32> = (0..256u32).map(|byte| light(byte as f32 / 255.0, encoded)).collect();
-    let (width, height) = picture.dimensions();
-    let half = |side: u32| (side / 2).max(1);
-    // A side that is odd gives its last texels to the last one.
-    let covered = |at: u32, side: u32| at * 2..if at + 1 == half(side) { side } else { at * 2 + 2 };
-    RgbImage::from_fn(half(width), half(height), |x, y| {
-        let (columns, rows) = (covered(x, width), covered(y, height));
-        let count = (columns.len() * rows.len()) as f32;
-        let mut sum = [0.0; 3];
-        for (column, row) in rows.flat_map(|row| columns.clone().map(move |column| (column, row))) {
-            let Rgb(codes) = *picture.get_pixel(column, row);
-            (0..3).for_each(|k| sum[k] += table[codes[k] as usize]);
-        }
-        Rgb(sum.map(|sum| (code(sum / count, encoded) * 255.0).round() as u8))
-    })
+/// A level of a picture, with texels as those of [`Picture::texels`].
+struct Level {
+    texels: Vec<u32>,
+    width: u32,
+    height: u32,
+}
+
+impl Level {
+    /// Half as wide and as high; each texel is the mean of those that it covers, weighted by their alpha.
+    fn halved(&self, encoded: bool, has_alpha: bool) -> Self {
+        let table: Vec<f32> = (0..256u32).map(|byte| light(byte as f32 / 255.0, encoded)).collect();
+        let half = |side: u32| (side / 2).max(1);
+        // A side that is odd gives its last texels to the last one.
+        let covered = |at: u32, side: u32| at * 2..if at + 1 == half(side) { side } else { at * 2 + 2 };
+        let texel = |x: u32, y: u32| {
+            let (columns, rows) = (covered(x, self.width), covered(y, self.height));
+            let count = (columns.len() * rows.len()) as f32;
+            let (mut sum, mut weights, mut plain) = ([0.0; 3], 0.0, [0.0; 3]);
+            for (column, row) in rows.flat_map(|row| columns.clone().map(move |column| (column, row))) {
+                let codes = self.texels[(row * self.width + column) as usize].to_le_bytes();
+                let weight = if has_alpha { f32::from(codes[3]) / 255.0 } else { 1.0 };
+                weights += weight;
+                for k in 0..3 {
+                    let value = table[codes[k] as usize];
+                    sum[k] += weight * value;
+                    plain[k] += value;
+                }
+            }
+            let mean = if weights > 0.0 { sum.map(|sum| sum / weights) } else { plain.map(|sum| sum / count) };
+            let [r, g, b] = mean.map(|mean| (code(mean, encoded) * 255.0).round() as u8);
+            let alpha = if has_alpha { (weights / count * 255.0).round() as u8 } else { 0 };
+            u32::from_le_bytes([r, g, b, alpha])
+        };
+        let (width, height) = (half(self.width), half(self.height));
+        let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect();
+        Self { texels, width, height }
+    }
 }

@@ -11,6 +11,9 @@ use std::collections::HashSet;
 const HEAD: &str = "pathmarch 1\ncamera \"first\" { position 0 1 5; target 0 1 0 }\n\
                     material \"white\" { diffuse 0.5 }\nmaterial \"other\" { emit 1 }\n";
 
+/// A picture, as seen from the document.
+const PICTURE_FILE: &str = "../../../../scenes/spot.png";
+
 /// Nodes that together have every parameter there is.
 pub(super) fn nodes() -> Vec<(String, &'static str)> {
     let mut nodes: Vec<(String, &'static str)> = [
@@ -34,6 +37,7 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
         ("param \"it\" 1 min=0 max=2 doc=\"What it does.\"", "it"),
         ("object \"it\" { sphere }", "it"),
         ("object it material=white { sphere }", "it"),
+        ("object it material=other lumen=30 { sphere }", "it"),
     ]
     .into_iter()
     .map(|(text, title)| (text.to_owned(), title))
@@ -47,6 +51,13 @@ pub(super) fn nodes() -> Vec<(String, &'static str)> {
             "it",
         ));
     }
+    nodes.push((
+        format!(
+            "material \"it\" {{ metal {{ fbm {{ colour 1 at=0.1; colour 0.5 at=0.4; colour 0 at=0.9 }} }}\n    \
+             decal \"{PICTURE_FILE}\" size=2 depth=1 angle=20 opacity=0.5 world=#true {{\n        at 1 2 3\n    }}\n}}"
+        ),
+        "it",
+    ));
     for kind in textures::kinds() {
         let name = kind.name;
         let all: Vec<String> = kind.params.iter().map(|param| format!("{}={}", param.name, param.default)).collect();
@@ -227,8 +238,9 @@ impl Number for Value {
 /// All of a scene but its texts, as text.
 pub(super) fn meaning(scene: &Scene) -> String {
     let Scene { cameras, render, sky, lights, materials, objects, field, params, .. } = scene;
-    let materials: Vec<_> =
-        materials.iter().map(|m| (&m.name, m.kind.name, &m.values, &m.orbit_trap, &m.textured, &m.bump)).collect();
+    let parts =
+        |m: &materials::Material| format!("{:?}{:?}{:?}{:?}{:?}", m.values, m.orbit_trap, m.textured, m.decals, m.bump);
+    let materials: Vec<_> = materials.iter().map(|m| (&m.name, m.kind.name, parts(m))).collect();
     let sky = match sky {
         pathmarch_scene::Sky::Map(map) => format!("{map:?} {:?}", &map.texels[map.texels.len() / 3]),
         sky => format!("{sky:?}"),
@@ -288,8 +300,9 @@ mod slow {
                     );
                     let after = all_values(&document);
                     let renamed = control.key == key::NAME;
-                    // A texture and an orbit trap bring controls of their own.
-                    let brings = control.key.ends_with(key::TEXTURE) || control.key == "orbit-trap";
+                    // A texture, an orbit trap and a material that emits bring controls of their own.
+                    let brings =
+                        control.key.ends_with(key::TEXTURE) || ["orbit-trap", key::MATERIAL].contains(&&*control.key);
                     assert!(brings || before.len() == after.len(), "{context}");
                     let find =
                         |old: &(String, String, Value)| after.iter().find(|new| (&new.0, &new.1) == (&old.0, &old.1));
@@ -337,7 +350,8 @@ fn resetting_a_control_gives_its_default() {
             }
             let now = document.control(&at, &control.key).unwrap();
             assert_eq!(now.value, control.default, "{context}\n{}", document.text());
-            let brings = control.key.ends_with(key::TEXTURE) || control.key == "orbit-trap";
+            let is_decal = control.key.starts_with("decal.") && control.key.ends_with(key::PICTURE);
+            let brings = control.key.ends_with(key::TEXTURE) || control.key == "orbit-trap" || is_decal;
             for (old, new) in before.iter().zip(&all_values(&document)).filter(|_| !brings) {
                 assert!(old == new || old.1 == control.key, "{context}: {old:?} became {new:?}\n{}", document.text());
             }
@@ -423,9 +437,30 @@ fn every_word_of_the_parser_has_a_control() {
                 .any(|key| *key == word || key.rsplit('.').next() == Some(word) || key.split('.').next() == Some(word));
             // A light shows its intensity in the unit that it is given in.
             let other_unit = matches!(word, "candela" | "lumen" | "colour") && matches!(title, "point" | "spot");
-            assert!(known || kinds || other_unit, "{word} of {title} in {keys:?}");
+            // Only an object that emits has a flux.
+            let is_flux = word == "lumen" && title == "it";
+            assert!(known || kinds || other_unit || is_flux, "{word} of {title} in {keys:?}");
         }
     }
+}
+
+#[test]
+fn decals_are_added_changed_and_removed() {
+    let mut it = document("material \"m\" { diffuse 0.5 }");
+    let material = path(&it, "m");
+    let text = |it: &Document| it.text().lines().last().expect("a line").replace(PICTURE_FILE, "p.png");
+    let picture = || Value::Text(PICTURE_FILE.to_owned());
+    it.set(&material, "decal.1.picture", picture(), None).expect("set");
+    it.set(&material, "decal.2.picture", picture(), None).expect("set");
+    it.set(&material, "decal.2.size", Value::Number(0.5), None).expect("set");
+    it.set(&material, "decal.1.at", Value::Triple([1.0, 2.0, 3.0]), None).expect("set");
+    let expected = "material \"m\" { diffuse 0.5; decal \"p.png\" { at 1 2 3 }; decal \"p.png\" size=0.5 }";
+    assert_eq!(text(&it), expected);
+    it.reset(&material, "decal.1.picture").expect("reset");
+    assert_eq!(text(&it), "material \"m\" { diffuse 0.5; decal \"p.png\" size=0.5 }");
+    let controls = it.controls(&material);
+    let given = controls.iter().filter(|control| control.key.starts_with("decal.") && control.given);
+    assert_eq!(given.map(|control| &*control.key).collect::<Vec<_>>(), ["decal.1.picture", "decal.1.size"]);
 }
 
 #[test]

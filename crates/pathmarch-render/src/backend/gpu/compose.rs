@@ -198,6 +198,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("HAS_GLOW", scene.materials.iter().any(|material| material.has(GLOWS))),
         ("SHADING_NORMALS", config.shading_normals),
         ("HAS_PICTURES", textures.any(has_pictures)),
+        ("HAS_DECALS", config.decals),
     ] {
         constant(name, &value);
     }
@@ -254,6 +255,7 @@ fn textures_of(input: &RenderInput) -> String {
     };
     code += textures::SHARED_WGSL;
     code += textures::PICTURE_WGSL;
+    code += textures::DECAL_WGSL;
     let mut choice = String::new();
     for kind in kinds {
         let texture = textures::kinds()[kind];

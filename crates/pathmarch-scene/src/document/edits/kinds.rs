@@ -16,7 +16,7 @@ use crate::document::tree::nodes::{child, material_kind, sky_form, texture_node}
 use crate::document::tree::outline::{Found, ItemKind};
 use crate::document::tree::path::Path;
 use crate::language::diagnostics::spelling::listed;
-use crate::language::keywords::{BUMP, CORNER, NORMAL, ORBIT_TRAP, POINT};
+use crate::language::keywords::{BUMP, CORNER, DECAL, NORMAL, ORBIT_TRAP, POINT};
 use crate::language::tree;
 use crate::materials::{self, Texturing};
 use crate::settings::{self, SKY_FORMS};
@@ -171,7 +171,9 @@ fn set_material_kind(transaction: &mut Transaction, path: &Path, kind: &str) -> 
         let span = bytes(block.span);
         patches.push(Patch::remove(before_spaces(&transaction.text, span.start)..span.end));
     }
-    let of_surfaces = [ORBIT_TRAP, BUMP].into_iter().filter(|_| !new.is_shaded());
+    let decals = found.node.child_nodes().iter().filter(|child| child.name.value == DECAL).count();
+    let of_surfaces = [ORBIT_TRAP, BUMP].into_iter().chain(std::iter::repeat_n(DECAL, decals));
+    let of_surfaces = of_surfaces.filter(|_| !new.is_shaded());
     let dropped: Vec<&str> = dropped.into_iter().chain(of_surfaces).collect();
     transaction.then(patches)?;
     for name in dropped {

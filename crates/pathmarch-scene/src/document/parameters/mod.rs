@@ -75,6 +75,9 @@ pub(crate) fn parameters(
         ItemKind::Object => {
             list.name("");
             list.material_of(file, "Material of the shapes that name no other.");
+            if list.emits(file) {
+                list.properties(settings::EMITTER);
+            }
             list.properties(settings::VISIBILITY);
         }
         ItemKind::Shape | ItemKind::Operator => {
@@ -137,6 +140,17 @@ impl List<'_> {
         let kind = ControlKind::Material(material_names(file, self.values));
         let control = Control::new(key::MATERIAL, key::MATERIAL, doc, kind, Value::None);
         self.push(control, Place::Property(Cow::Borrowed(MATERIAL)));
+    }
+
+    /// True of an object whose material is a lamp, or that has a flux.
+    fn emits(&self, file: &Block<'static>) -> bool {
+        let is_given = property(self.node, settings::EMITTER[0].name).is_some();
+        let Some(tree::Value::Text(name)) = property(self.node, MATERIAL).map(|entry| &entry.value) else {
+            return is_given;
+        };
+        let all = file.nodes.iter().chain(self.values.included.iter()).filter(|node| node.name.value == "material");
+        let own = all.filter(|node| text_argument(node) == Some(name)).find_map(material_kind);
+        is_given || own.is_some_and(|kind| kind.bsdf.is_none() && kind.has_surface)
     }
 
     /// A setting of a table.
@@ -271,6 +285,7 @@ impl List<'_> {
         if kind.is_shaded() {
             self.orbit_trap();
             self.orbit_trap_colours();
+            self.decals();
             self.bump();
         }
     }

@@ -1,7 +1,7 @@
 //! Places of parameters in nodes.
 
 use crate::document::tree::nodes::{arguments, child, property, texture_node};
-use crate::language::keywords::{COLOUR, ORBIT_TRAP};
+use crate::language::keywords::{COLOUR, COLOUR_POSITION, DECAL, ORBIT_TRAP};
 use crate::language::tree::{Entry, Node};
 use std::borrow::Cow;
 
@@ -28,9 +28,11 @@ pub(crate) enum Place {
     Texture(&'static str),
     /// A place in that texture, or in the orbit trap.
     Inside(&'static str, Inside),
+    /// A place in the decal of this index.
+    Decal(usize, Inside),
 }
 
-/// Place in a texture or in a colour ramp.
+/// Place in a texture, in a colour ramp or in a decal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Inside {
     /// The first argument.
@@ -41,6 +43,8 @@ pub(crate) enum Inside {
     Node(&'static str),
     /// The colour of this index.
     Colour(usize),
+    /// The position of the colour of this index.
+    ColourPosition(usize),
 }
 
 /// Arguments or property at a place; none for places that are no entries.
@@ -56,17 +60,30 @@ pub(super) fn entries<'n>(node: &'n Node<'static>, place: &Place) -> Vec<&'n Ent
         Place::NodeProperty(name, word) => {
             child(node, name).and_then(|child| property(child, word)).into_iter().collect()
         }
-        Place::Inside(owner, inside) => match (target(node, owner, *inside), inside) {
-            (Some(node), Inside::Property(word)) => property(node, word).into_iter().collect(),
-            (Some(node), Inside::Argument) => arguments(node).take(1).collect(),
-            (node, _) => node.map_or_else(Vec::new, all),
-        },
+        Place::Inside(_, inside) | Place::Decal(_, inside) => {
+            match (holder(node, place).and_then(|holder| target(holder, *inside)), inside) {
+                (Some(node), Inside::Property(word)) => property(node, word).into_iter().collect(),
+                (Some(node), Inside::ColourPosition(_)) => property(node, COLOUR_POSITION).into_iter().collect(),
+                (Some(node), Inside::Argument) => arguments(node).take(1).collect(),
+                (node, _) => node.map_or_else(Vec::new, all),
+            }
+        }
     }
 }
 
-/// Node around a place inside: the texture of `owner`, or the orbit trap.
-pub(crate) fn holder<'n>(material: &'n Node<'static>, owner: &str) -> Option<&'n Node<'static>> {
-    if owner == ORBIT_TRAP { child(material, ORBIT_TRAP) } else { texture_node(material, owner) }
+/// Node around a place inside: a texture, the orbit trap, or a decal.
+pub(crate) fn holder<'n>(material: &'n Node<'static>, place: &Place) -> Option<&'n Node<'static>> {
+    match place {
+        Place::Inside(owner, _) if *owner == ORBIT_TRAP => child(material, ORBIT_TRAP),
+        Place::Inside(owner, _) => texture_node(material, owner),
+        Place::Decal(index, _) => decals(material).nth(*index),
+        _ => None,
+    }
+}
+
+/// Decals of a material.
+pub(super) fn decals<'n>(material: &'n Node<'static>) -> impl Iterator<Item = &'n Node<'static>> {
+    material.child_nodes().iter().filter(|child| child.name.value == DECAL)
 }
 
 /// Colours in a texture or an orbit trap.
@@ -74,12 +91,11 @@ pub(super) fn colours<'n>(node: &'n Node<'static>) -> impl Iterator<Item = &'n N
     node.child_nodes().iter().filter(|child| child.name.value == COLOUR)
 }
 
-/// Node that has the value of a place inside.
-pub(crate) fn target<'n>(material: &'n Node<'static>, owner: &str, inside: Inside) -> Option<&'n Node<'static>> {
-    let holder = holder(material, owner)?;
+/// Node that has the value of a place inside `holder`.
+pub(crate) fn target<'n>(holder: &'n Node<'static>, inside: Inside) -> Option<&'n Node<'static>> {
     match inside {
         Inside::Argument | Inside::Property(_) => Some(holder),
         Inside::Node(name) => child(holder, name),
-        Inside::Colour(index) => colours(holder).nth(index),
+        Inside::Colour(index) | Inside::ColourPosition(index) => colours(holder).nth(index),
     }
 }

@@ -1,14 +1,14 @@
-//! Parameters of textures and of orbit traps.
+//! Parameters of textures, of orbit traps and of decals.
 
 use super::List;
-use super::controls::parameter_control;
-use super::place::{Inside, Place, colours};
+use super::controls::{number_range, parameter_control};
+use super::place::{Inside, Place, colours, decals};
 use crate::document::control::{Control, ControlKind, Value};
 use crate::document::key;
 use crate::document::tree::nodes::{child, texture_node};
-use crate::language::keywords::{BUMP, COLOUR, ORBIT_TRAP, TRAP_NUMBERS};
+use crate::language::keywords::{BUMP, COLOUR, COLOUR_POSITION, DECAL, ORBIT_TRAP, TRAP_NUMBERS};
 use crate::materials::{BUMP_HEIGHT, MaterialParam, ParamKind, Texturing};
-use crate::settings::PLACEMENT;
+use crate::settings::{self, PLACEMENT};
 use crate::textures::{self, PICTURE, PICTURE_SIZE};
 use pathmarch_field::Param;
 use std::borrow::Cow;
@@ -118,6 +118,37 @@ impl List<'_> {
             let doc = "Colour of the ramp, which goes from the value 0 to the value 1.";
             let control = Control::new(key, label, doc, ControlKind::Colour { max: 1.0 }, Value::Colour([0.0; 3]));
             self.push(control.required(), Place::Inside(owner, Inside::Colour(index)));
+            let unit = Param::between("", 0.0, 0.0, 1.0, "Value that has this colour; evenly spaced when absent.");
+            let kind = ControlKind::Number(number_range(unit.range, false, "", None));
+            let key = format!("{name}.{COLOUR}.{}.{COLOUR_POSITION}", index + 1);
+            let label = format!("{name} {COLOUR} {} {COLOUR_POSITION}", index + 1);
+            let control = Control::new(key, label, unit.doc, kind, Value::None);
+            let initial = Value::Number(if count > 1 { index as f32 / (count - 1) as f32 } else { 0.0 });
+            self.push(Control { initial, ..control }, Place::Inside(owner, Inside::ColourPosition(index)));
+        }
+    }
+
+    /// Adds the parameters of all decals, and the file of one more.
+    pub(super) fn decals(&mut self) {
+        let count = decals(self.node).count();
+        for index in 0..=count {
+            let name = format!("{DECAL} {}", index + 1);
+            let doc = "A .png or .jpg file that is projected once, relative to the scene file.";
+            let (key, label) = (format!("{DECAL}.{}.{PICTURE}", index + 1), format!("{name} {PICTURE}"));
+            let control = Control::new(key, label, doc, ControlKind::Picture, Value::Text(String::new()));
+            self.push(control, Place::Decal(index, Inside::Argument));
+            if index == count {
+                break;
+            }
+            let settings = settings::DECAL.iter().map(|setting| (setting, Inside::Property(setting.name)));
+            for (setting, inside) in
+                settings.chain(PLACEMENT.iter().map(|setting| (setting, Inside::Node(setting.name))))
+            {
+                self.setting(format!("{DECAL}.{}.{}", index + 1, setting.name), setting, Place::Decal(index, inside));
+                if let Some(parameter) = self.parameters.last_mut() {
+                    parameter.control.label = Cow::Owned(format!("{name} {}", setting.label));
+                }
+            }
         }
     }
 }

@@ -10,6 +10,9 @@ const VOLUME: &str =
 const NORMAL_MAP: &str = "Use `bump` with a texture: bump { fbm size=0.05 height=0.005 }.";
 const KEYFRAMES: &str = "Use a formula of the time t in seconds: sphere \"0.5 + 0.1 * sin(t)\".";
 const SPLINE: &str = "Use `curve`, in `extrude` or `revolve`.";
+const DECAL: &str = "Use `decal \"logo.png\" size=0.1 { at x y z }` of a material.";
+const RAMP: &str =
+    "Give a texture colours, with positions if need be: fbm { colour 0; colour 1 0.5 0 at=0.3; colour 1 }.";
 const SCATTERING: &str = "Use `scatter` of a `glass` or `principled` material: glass 1; scatter 60 50 40.";
 
 /// Words in use elsewhere, in alphabetical order.
@@ -45,6 +48,7 @@ pub(crate) const MISSING_WORDS: &[MissingWord] = &[
     ("fur", "Not supported yet: there are no hairs."),
     ("fuzz", "Not supported yet: there is no sheen."),
     ("glossy", "Use `principled` with a small `roughness`."),
+    ("gradient", RAMP),
     ("ground", "Use `object \"floor\" { plane }`."),
     ("group", "Use `union`, which takes `at`, `rotate` and `scale`."),
     ("hair", "Not supported yet: there are no hairs."),
@@ -53,11 +57,13 @@ pub(crate) const MISSING_WORDS: &[MissingWord] = &[
     ("instance", "Declare a `shape` and use it by its name."),
     ("keyframe", KEYFRAMES),
     ("keyframes", KEYFRAMES),
+    ("label", DECAL),
     ("lambert", "Use `diffuse`."),
     ("lamp", EMITTER),
     ("lathe", "Use `revolve` around a `curve`."),
     ("light", "Use `point`, `spot`, `sun`, `sky`, or an object with a material that emits."),
     ("lights", "Use `point`, `spot`, `sun`, `sky`, or an object with a material that emits."),
+    ("logo", DECAL),
     ("lookat", "Use `target x y z` of a camera."),
     ("nodes", "Write textures in the braces of a parameter: diffuse { wood }."),
     ("normalmap", NORMAL_MAP),
@@ -67,6 +73,7 @@ pub(crate) const MISSING_WORDS: &[MissingWord] = &[
     ("plastic", "Use `principled` with a `roughness`."),
     ("pointlight", "Use `point { at x y z; intensity r g b }`."),
     ("quad", "Use `rect`."),
+    ("ramp", RAMP),
     ("reflectivity", "Use `metal`, or `metallic` of a `principled` material."),
     ("rotation", "Use `rotate x y z`, in degrees."),
     ("scattering", SCATTERING),
@@ -80,6 +87,8 @@ pub(crate) const MISSING_WORDS: &[MissingWord] = &[
     ("spline", SPLINE),
     ("spotlight", "Use `spot { at x y z; target x y z; intensity r g b }`."),
     ("sss", SCATTERING),
+    ("sticker", DECAL),
+    ("stop", RAMP),
     ("subsurface", SCATTERING),
     ("svg", "Use `path`."),
     ("texture", "Write a texture in the braces of a parameter: diffuse { wood }."),

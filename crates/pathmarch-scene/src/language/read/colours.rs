@@ -4,6 +4,7 @@ use super::arguments::{arguments, missing_arguments, no_children, properties};
 use super::context::{Context, WrittenColour};
 use super::numbers::{in_range, is_formula};
 use crate::language::diagnostics::report::{draft, shown};
+use crate::language::keywords::COLOUR_POSITION;
 use crate::language::tree::{Entry, Node, Value};
 use crate::settings::Range;
 
@@ -12,9 +13,27 @@ pub(crate) fn colour(node: &Node, range: Range, context: &mut Context) -> Option
     let what = format!("`{}`", node.name.value);
     let usage = format!("`{} r g b`, one number, or \"#rrggbb\"", node.name.value);
     properties(node, &[], context);
+    channels(node, range, &what, &usage, context)
+}
+
+/// The colour of a ramp, with its position if it has `at=`; `None` after a mistake.
+pub(super) fn positioned_colour(node: &Node, context: &mut Context) -> Option<([f32; 3], Option<f32>)> {
+    let unit = Range::from_to(0.0, 1.0);
+    let usage = format!("`{} r g b at=0.5`", node.name.value);
+    let given = properties(node, &[COLOUR_POSITION], context);
+    let position = match given.first() {
+        Some((_, entry)) => in_range(entry, &format!("`{COLOUR_POSITION}`"), unit, context).map(Some),
+        None => Some(None),
+    };
+    let colour = channels(node, unit, &format!("`{}`", node.name.value), &usage, context);
+    Some((colour?, position?))
+}
+
+/// The colour of a node's arguments, of which there is nothing in braces.
+fn channels(node: &Node, range: Range, what: &str, usage: &str, context: &mut Context) -> Option<[f32; 3]> {
     no_children(node, context);
-    let entries = arguments(node, 3, &usage, context);
-    let value = value(node, &entries, range, &what, &usage, context);
+    let entries = arguments(node, 3, usage, context);
+    let value = value(node, &entries, range, what, usage, context);
     let is_written = |entry: &&Entry| matches!(&entry.value, Value::Number(_)) || is_srgb(entry);
     if let (Some(value), Some(first), Some(last)) = (value, entries.first(), entries.last())
         && entries.iter().all(is_written)

@@ -6,13 +6,14 @@
 use super::arguments::{arguments, exactly, flag, missing_arguments, name, properties, string, twice};
 use super::colours::colour;
 use super::context::{Context, Files};
+use super::decals::decals;
 use super::numbers::{accepted, in_range, numbers};
 use super::settings::NodesByName;
-use super::textures::{self, DEFAULT_COLOURS, Use};
+use super::textures::{self, Use};
 use super::unexpected::{unexpected_node, with_article};
 use crate::language::diagnostics::report::{draft, shown};
 use crate::language::diagnostics::spelling::{listed, suggestion};
-use crate::language::keywords::{BUMP, COLOUR, ORBIT_TRAP, TRAP_NUMBERS};
+use crate::language::keywords::{BUMP, COLOUR, DECAL, ORBIT_TRAP, TRAP_NUMBERS};
 use crate::language::tree::{Entry, Node, Span, Value};
 use crate::materials::{
     self, Bump, IOR, Material, MaterialParam, OrbitTrap, PRIORITY, ParamKind, TextureMapping, TexturedParameter,
@@ -78,11 +79,13 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
     let mut known: Vec<&str> = std::iter::once(kind.name).chain(beside).collect();
     known.extend(materials::kinds().iter().map(|kind| kind.name).filter(|name| *name != kind.name));
     if kind.is_shaded() {
-        known.extend([ORBIT_TRAP, BUMP]);
+        known.extend([ORBIT_TRAP, DECAL, BUMP]);
     }
     let others = foreign_parameters(node, kind, context);
     known.extend(others.iter().copied());
-    let settings = NodesByName::new(node, &known, &format!("in a `{}` material", kind.name), context);
+    let repeated: &[&str] = if kind.is_shaded() { &[DECAL] } else { &[] };
+    let place = format!("in a `{}` material", kind.name);
+    let settings = NodesByName::with_repeated(node, &known, repeated, &place, context);
     let mut material = Material::new("", kind);
     for (index, param) in kind.params.iter().enumerate() {
         let Some(node) = settings.get(if index == 0 { kind.name } else { param.name() }) else { continue };
@@ -102,6 +105,9 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
     }
     warn_without_effect(&material, &settings, context);
     material.orbit_trap = settings.get(ORBIT_TRAP).and_then(|node| orbit_trap(node, context));
+    if kind.is_shaded() {
+        material.decals = decals(node, files, context);
+    }
     material.bump = settings.get(BUMP).and_then(|node| {
         properties(node, &[], context);
         arguments(node, 0, "`bump { fbm size=0.05 height=0.005 }`", context);
@@ -158,14 +164,21 @@ fn foreign_parameters<'n>(node: &'n Node, kind: &materials::MaterialKind, contex
     for child in node.child_nodes() {
         let name = &*child.name.value;
         let owners = materials::kinds().iter().filter(|other| has(other, name)).map(|other| other.name);
-        let owners: Vec<&str> = owners.collect();
+        let of_surfaces = [ORBIT_TRAP, DECAL, BUMP].contains(&name) && !kind.is_shaded();
+        let shaded = materials::kinds().iter().filter(|other| of_surfaces && other.is_shaded());
+        let owners: Vec<&str> = owners.chain(shaded.map(|other| other.name)).collect();
         if owners.is_empty() || has(kind, name) || materials::kind(name).is_some() {
             continue;
         }
         found.push(name);
         let message = with_article(&format!("in a `{}` material", kind.name));
         let message = format!("{} has no `{name}`.", message.trim_start_matches("in ").replacen('a', "A", 1));
-        let own = kind.params.iter().skip(1).map(MaterialParam::name).chain(kind.is_shaded().then_some(BUMP));
+        let own = kind
+            .params
+            .iter()
+            .skip(1)
+            .map(MaterialParam::name)
+            .chain([BUMP, DECAL].into_iter().filter(|_| kind.is_shaded()));
         let own = match own.clone().count() {
             0 => format!("`{}` has no parameters beside its value.", kind.name),
             _ => format!("It has {}.", listed(own, "and")),
@@ -212,7 +225,7 @@ fn orbit_trap(node: &Node, context: &mut Context) -> Option<OrbitTrap> {
     for child in node.child_nodes().iter().filter(|child| child.name.value != COLOUR) {
         unexpected_node(&child.name, &[COLOUR], "in an `orbit-trap`", context);
     }
-    let colours = textures::colours(node, context);
+    let ramp = textures::ramp(node, context);
     let trap = match entries.first() {
         Some(entry) => {
             let word = string(entry, "the trap", context)?;
@@ -229,11 +242,8 @@ fn orbit_trap(node: &Node, context: &mut Context) -> Option<OrbitTrap> {
     };
     let [x, y, z, from, to] = numbers;
     let (centre, range) = ([x?, y?, z?], [from?, to?]);
-    let mut colours = colours?;
-    if colours.is_empty() {
-        colours = DEFAULT_COLOURS.to_vec();
-    }
-    Some(OrbitTrap { trap, centre, range, colours })
+    let ramp = ramp?.unwrap_or_else(textures::default_ramp);
+    Some(OrbitTrap { trap, centre, range, ramp })
 }
 
 /// The value that a node gives a parameter; the default without arguments.

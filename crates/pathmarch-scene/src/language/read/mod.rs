@@ -8,6 +8,7 @@ pub(crate) mod camera;
 pub(crate) mod colours;
 pub(crate) mod context;
 pub(crate) mod custom_sdf;
+mod decals;
 pub(crate) mod declarations;
 pub(crate) mod fog;
 pub(crate) mod include;

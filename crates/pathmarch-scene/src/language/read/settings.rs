@@ -3,9 +3,9 @@
 use super::arguments::{choice, flag, named, no_children, properties, twice};
 use super::colours::colour;
 use super::context::Context;
-use super::numbers::{direction, in_range, numbers, whole, whole_numbers};
+use super::numbers::{direction, in_range, is_formula, numbers, whole, whole_numbers};
 use super::unexpected::unexpected_node;
-use crate::language::diagnostics::report::draft;
+use crate::language::diagnostics::report::{draft, shown};
 use crate::language::diagnostics::spelling::nearest;
 use crate::language::tree::{Entry, Node, Value};
 use crate::settings::{AUTO, Range, Setting, SettingKind, SettingValue, find, names};
@@ -18,10 +18,22 @@ pub(crate) struct NodesByName<'n> {
 impl<'n> NodesByName<'n> {
     /// Reports unknown nodes and repeated ones. `place` as in "in a camera".
     pub(crate) fn new(node: &'n Node<'n>, known: &[&str], place: &str, context: &mut Context) -> Self {
+        Self::with_repeated(node, known, &[], place, context)
+    }
+    /// As [`Self::new`]; the names in `repeated` may occur more than once, and are not found.
+    pub(crate) fn with_repeated(
+        node: &'n Node<'n>,
+        known: &[&str],
+        repeated: &[&str],
+        place: &str,
+        context: &mut Context,
+    ) -> Self {
         let mut found: Vec<&'n Node<'n>> = Vec::new();
         for child in node.child_nodes() {
             if !known.contains(&&*child.name.value) {
                 unexpected_node(&child.name, known, place, context);
+            } else if repeated.contains(&&*child.name.value) {
+                continue;
             } else if let Some(first) = found.iter().find(|other| other.name.value == child.name.value) {
                 twice(&format!("`{}`", child.name.value), child.name.span, first.name.span, context);
             } else {
@@ -123,6 +135,7 @@ impl<'n> Braces<'n> {
                 no_children(node, context);
                 Some(None)
             }
+            None if self.get(name).is_some_and(|node| reports_near_auto(node, context)) => None,
             None => self.number(name, context).map(Some),
         }
     }
@@ -150,6 +163,22 @@ impl<'n> Braces<'n> {
             _ => return None,
         })
     }
+}
+
+/// Reports a word that stands for "auto" but is another one, such as "automatic", and returns true.
+fn reports_near_auto(node: &Node, context: &mut Context) -> bool {
+    let [entry] = &node.entries[..] else { return false };
+    let Value::Text(text) = &entry.value else { return false };
+    let word = text.to_lowercase();
+    let is_near = word.starts_with(AUTO) || nearest(&word, [AUTO]).is_some();
+    if !is_near || is_formula(text, context) {
+        return false;
+    }
+    let message = format!("There is no value {} of `{}`.", shown(text), node.name.value);
+    let mistake = draft("pathmarch::unknown_name", entry.value_span, message).label("unknown value");
+    let help = format!("Write `{} \"{AUTO}\"`, or a number.", node.name.value);
+    context.report.add(mistake.help(help).expected([AUTO]));
+    true
 }
 
 /// Settings that are properties of a node. A value is the default if its property is absent or wrong.

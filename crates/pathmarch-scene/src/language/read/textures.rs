@@ -4,7 +4,7 @@
 //! are in its braces.
 
 use super::arguments::{arguments, flag, missing_arguments, no_children, properties, string};
-use super::colours::colour;
+use super::colours::positioned_colour;
 use super::context::{Context, Files, relative_to};
 use super::numbers::in_range;
 use super::parameters::number;
@@ -15,8 +15,12 @@ use crate::language::keywords::{COLOUR, PLACEMENT};
 use crate::language::tree::{Entry, Node};
 use crate::materials::{BUMP_HEIGHT, TextureMapping};
 use crate::settings::Range;
-use crate::textures::{self, PICTURE_SIZE, Pattern, Texture, TextureKind, TextureParameters, UvMapping};
+use crate::textures::{
+    self, PICTURE_SIZE, Pattern, Picture, PictureError, Ramp, Texture, TextureKind, TextureParameters, UvMapping,
+};
 use pathmarch_field::Param;
+use std::path::Path;
+use std::sync::Arc;
 
 /// Use of a texture's values.
 #[derive(Clone, Copy)]
@@ -117,14 +121,11 @@ fn mapping(
 ) -> Option<TextureMapping> {
     let entry = |name: &str| named.iter().find(|(word, _)| *word == name).map(|(_, entry)| *entry);
     match to {
-        Use::Colour => {
-            let colours = colours(node, context)?;
-            Some(match (colours.is_empty(), kind) {
-                (false, _) => TextureMapping::Ramp(colours),
-                (true, None) => TextureMapping::Direct,
-                (true, Some(_)) => TextureMapping::Ramp(DEFAULT_COLOURS.to_vec()),
-            })
-        }
+        Use::Colour => Some(match (ramp(node, context)?, kind) {
+            (Some(ramp), _) => TextureMapping::Ramp(ramp),
+            (None, None) => TextureMapping::Direct,
+            (None, Some(_)) => TextureMapping::Ramp(default_ramp()),
+        }),
         Use::Number(range) => {
             let mut end = |word: &str, default: f32| match entry(word) {
                 Some(entry) => in_range(entry, &format!("`{word}`"), range, context),
@@ -144,10 +145,12 @@ fn mapping(
 }
 
 /// From dark to light grey: where no colours are given.
-pub(super) const DEFAULT_COLOURS: [[f32; 3]; 2] = [[0.02; 3], [0.9; 3]];
+pub(super) fn default_ramp() -> Ramp {
+    Ramp::even(vec![[0.02; 3], [0.9; 3]])
+}
 
-/// The row of colours in the braces of a node; `None` after a mistake.
-pub(super) fn colours(node: &Node, context: &mut Context) -> Option<Vec<[f32; 3]>> {
+/// The colour ramp in the braces of a node, `None` inside without colours; `None` after a mistake.
+pub(super) fn ramp(node: &Node, context: &mut Context) -> Option<Option<Ramp>> {
     let nodes: Vec<&Node> = node.child_nodes().iter().filter(|child| child.name.value == COLOUR).collect();
     if nodes.len() > MOST_COLOURS {
         let what = &node.name.value;
@@ -157,8 +160,50 @@ pub(super) fn colours(node: &Node, context: &mut Context) -> Option<Vec<[f32; 3]
         context.report.add(draft("pathmarch::too_large", node.name.span, message).label("too many colours"));
         return None;
     }
-    let read: Vec<_> = nodes.iter().map(|child| colour(child, Range::from_to(0.0, 1.0), context)).collect();
-    read.into_iter().collect()
+    let read: Vec<_> = nodes.iter().map(|child| positioned_colour(child, context)).collect();
+    let read: Vec<([f32; 3], Option<f32>)> = read.into_iter().collect::<Option<_>>()?;
+    if read.is_empty() {
+        return Some(None);
+    }
+    let mut last: Option<(f32, &Node)> = None;
+    let mut given: Vec<Option<f32>> = read.iter().map(|(_, position)| *position).collect();
+    for (node, position) in nodes.iter().zip(&mut given) {
+        let Some(position) = position else { continue };
+        if let Some((before, first)) = last.filter(|(before, _)| *position < *before) {
+            let message =
+                format!("This colour is at {position}, before the last one at {before}, whose place it takes.");
+            let warning = draft("pathmarch::out_of_order", node.span(), message).label("its `at` falls");
+            let help = "Give the colours of a ramp in the order of their `at`.";
+            context.report.warn(warning.also(first.span(), "the last one").help(help));
+            *position = before;
+        }
+        last = Some((*position, node));
+    }
+    let positions = last.map(|_| spaced(&given));
+    let colours = read.into_iter().map(|(colour, _)| colour).collect();
+    Some(Some(Ramp { colours, positions }))
+}
+
+/// All positions of a ramp: the first is 0 and the last is 1 unless given, and those between two given ones are evenly
+/// spaced.
+fn spaced(given: &[Option<f32>]) -> Vec<f32> {
+    let last = given.len() - 1;
+    let known = |k: usize| match k {
+        0 => Some(given[0].unwrap_or(0.0)),
+        _ if k == last => Some(given[last].unwrap_or(1.0)),
+        _ => given[k],
+    };
+    let mut positions = Vec::with_capacity(given.len());
+    let mut from = (0, known(0).unwrap_or_default());
+    for k in 0..given.len() {
+        if let Some(position) = known(k) {
+            from = (k, position);
+        }
+        let next = (k..given.len()).find_map(|next| Some((next, known(next)?))).unwrap_or(from);
+        let part = if next.0 == from.0 { 0.0 } else { (k - from.0) as f32 / (next.0 - from.0) as f32 };
+        positions.push(from.1 + (next.1 - from.1) * part);
+    }
+    positions
 }
 
 /// Property of pictures at the texture coordinates of a mesh.
@@ -172,23 +217,36 @@ fn picture(node: &Node, size: Option<f32>, encoded: bool, files: &mut Files, con
         missing_arguments(node, usage, context);
         return None;
     };
+    let load = |path: &Path| files.assets.texture(path, encoded);
+    let picture = texels(entry, "a texture", load, files.scene, context)?;
+    Some(match size {
+        Some(size) => Pattern::Picture { picture, size },
+        None => Pattern::UvPicture { picture, mapping: UvMapping::default() },
+    })
+}
+
+/// The picture in the file that an entry names; `None` after a mistake. `purpose` as in "cannot be a texture".
+pub(super) fn texels(
+    entry: &Entry,
+    purpose: &str,
+    load: impl FnOnce(&Path) -> Result<Arc<Picture>, PictureError>,
+    scene: &str,
+    context: &mut Context,
+) -> Option<Arc<Picture>> {
     let name = string(entry, "The picture", context)?;
     if name.is_empty() {
         let mistake = draft("pathmarch::empty_name", entry.value_span, "This name is empty.");
         context.report.add(mistake.label("expected the path of a .png or .jpg file"));
         return None;
     }
-    let path = relative_to(files.scene, name);
+    let path = relative_to(scene, name);
     if context.refuses(&path, entry) {
         return None;
     }
-    match files.assets.texture(&path, encoded) {
-        Ok(picture) => Some(match size {
-            Some(size) => Pattern::Picture { picture, size },
-            None => Pattern::UvPicture { picture, mapping: UvMapping::default() },
-        }),
+    match load(&path) {
+        Ok(picture) => Some(picture),
         Err(error) => {
-            let message = format!("The picture {} cannot be a texture.", shown(name));
+            let message = format!("The picture {} cannot be {purpose}.", shown(name));
             let mistake = draft("pathmarch::texture_picture", entry.value_span, message);
             context.report.add(mistake.label(error.to_string()).help(error.help()));
             None

@@ -6,7 +6,7 @@
 use crate::scene::textured_material::{Change, Layer, Source, TexturedMaterial};
 use crate::wgsl::shared_constants;
 use pathmarch_field::Field;
-use pathmarch_scene::textures::{self, Pattern, Picture, Texture, TextureKind};
+use pathmarch_scene::textures::{self, Decal, DecalSpace, Pattern, Picture, Ramp, Texture, TextureKind};
 
 shared_constants! {
     /// Words of a leaf: position, three rows of the inverse rotation and scale, and the modifiers around it.
@@ -21,15 +21,20 @@ shared_constants! {
     const ORBIT_SOURCE: u32 = 1000;
     const PICTURE_SOURCE: u32 = 1001;
     const UV_PICTURE_SOURCE: u32 = 1002;
+    const DECAL_SOURCE: u32 = 1003;
+    const WORLD_DECAL_SOURCE: u32 = 1004;
     /// Words of a layer: texture, kind, place or number of places, preview materials, contents.
     const LAYER_KIND: u32 = 1;
     const LAYER_PLACE: u32 = 2;
     const LAYER_PREVIEWS: u32 = 3;
     const LAYER_CONTENTS: u32 = 4;
-    /// Kinds of layers: a ramp of colours, the texture's own colour, parameters packed at knots.
+    /// Kinds of layers: a ramp of evenly spaced colours, the texture's own colour, parameters packed at knots, a ramp of
+    /// colours with positions, a decal.
     const RAMP_LAYER: u32 = 0;
     const OWN_COLOURS_LAYER: u32 = 1;
     const PACKED_LAYER: u32 = 2;
+    const POSITIONED_RAMP_LAYER: u32 = 3;
+    const DECAL_LAYER: u32 = 4;
 }
 
 /// Total number of words of a texture.
@@ -118,6 +123,7 @@ impl<'a> Encoder<'a> {
                 self.record(record)
             }
             Source::Texture(texture) => self.texture(texture),
+            Source::Decal(decal) => self.decal(decal),
         };
         let previews = self.offset();
         if let Change::Colour { .. } = layer.change {
@@ -126,12 +132,15 @@ impl<'a> Encoder<'a> {
         self.floats(layer.previews.as_flattened().iter().copied());
         let at = self.offset();
         match &layer.change {
-            Change::Colour { first, ramp: Some(ramp) } => {
-                self.words.extend([texture, RAMP_LAYER, *first as u32, previews, ramp.len() as u32 - 1]);
-                self.floats(ramp.as_flattened().iter().copied());
+            Change::Colour { first, ramp: Some(Ramp { colours, positions }) } => {
+                let kind = if positions.is_some() { POSITIONED_RAMP_LAYER } else { RAMP_LAYER };
+                self.words.extend([texture, kind, *first as u32, previews, colours.len() as u32 - 1]);
+                self.floats(colours.as_flattened().iter().copied());
+                self.floats(positions.iter().flatten().copied());
             }
             Change::Colour { first, ramp: None } => {
-                self.words.extend([texture, OWN_COLOURS_LAYER, *first as u32, previews]);
+                let kind = if let Source::Decal(_) = layer.source { DECAL_LAYER } else { OWN_COLOURS_LAYER };
+                self.words.extend([texture, kind, *first as u32, previews]);
             }
             Change::Parameters { indices, knots } => {
                 self.words.extend([texture, PACKED_LAYER, indices.len() as u32, previews]);
@@ -190,6 +199,25 @@ impl<'a> Encoder<'a> {
         for (word, number) in record[1..].iter_mut().zip(numbers) {
             *word = number.to_bits();
         }
+        self.record(record)
+    }
+
+    /// Encodes a decal; returns its offset.
+    fn decal(&mut self, decal: &'a Decal) -> u32 {
+        let Decal { picture, size, depth, min_cosine, opacity, pose, space } = decal;
+        let texels = self.texels(picture);
+        let mut record = [0; TEXTURE_WORDS];
+        record[0] = match space {
+            DecalSpace::Shape => DECAL_SOURCE,
+            DecalSpace::World => WORLD_DECAL_SOURCE,
+        };
+        let rows = pose.local_from_world();
+        for (word, number) in record[1..].iter_mut().zip(pose.at.iter().chain(rows.as_flattened()).chain([&pose.scale]))
+        {
+            *word = number.to_bits();
+        }
+        record[PARAMETERS..PARAMETERS + 4].copy_from_slice(&[texels, picture.width, picture.height, picture.levels()]);
+        record[PARAMETERS + 4..].copy_from_slice(&[*size, *depth, *min_cosine, *opacity].map(f32::to_bits));
         self.record(record)
     }
 

@@ -58,7 +58,7 @@ impl<'d> Writer<'d> {
                 Value::Text(kind) => self.write_texture(owner, kind),
                 _ => Ok(Vec::new()),
             },
-            Place::Inside(owner, inside) => self.write_inside(owner, *inside, value),
+            place @ (Place::Inside(_, inside) | Place::Decal(_, inside)) => self.write_inside(place, *inside, value),
         }
     }
 
@@ -83,7 +83,7 @@ impl<'d> Writer<'d> {
                 })
             }
             Place::Texture(owner) => self.erase_texture(owner),
-            Place::Inside(owner, inside) => self.erase_inside(owner, *inside),
+            place @ (Place::Inside(_, inside) | Place::Decal(_, inside)) => self.erase_inside(place, *inside),
             // The node that names the kind of a material also carries its first parameter.
             Place::Node(name) if crate::materials::kind(name).is_some() && self.node.name.value == "material" => {
                 let Some(child) = child(self.node, name) else { return Ok(Vec::new()) };
@@ -125,9 +125,13 @@ impl<'d> Writer<'d> {
     }
     /// Removes a node from the braces, and these if nothing else is in them.
     pub(crate) fn erase_node(&self, name: &str) -> Result<Vec<Patch>, EditError> {
+        self.erase_child(|child| child.name.value == name)
+    }
+    /// The same for the first node that is the one.
+    pub(crate) fn erase_child(&self, is_it: impl Fn(&Node<'static>) -> bool) -> Result<Vec<Patch>, EditError> {
         self.check_braces()?;
         let Some(block) = &self.node.children else { return Ok(Vec::new()) };
-        let Some(index) = block.nodes.iter().position(|child| child.name.value == name) else { return Ok(Vec::new()) };
+        let Some(index) = block.nodes.iter().position(is_it) else { return Ok(Vec::new()) };
         let patch = Site { block, top: false, index }.removal(self.text, false);
         let (start, end) = (block.span.start as usize, block.span.end as usize);
         let left = [&self.text[start + 1..patch.range.start], &self.text[patch.range.end..end - 1]];

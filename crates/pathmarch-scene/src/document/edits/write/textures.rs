@@ -3,21 +3,28 @@
 use super::Writer;
 use crate::document::control::Value;
 use crate::document::error::EditError;
-use crate::document::parameters::{Inside, holder, target};
+use crate::document::parameters::{Inside, Place, holder, target};
 use crate::document::text::layout::{before_spaces, bytes};
 use crate::document::text::literals::{fresh, numbers};
 use crate::document::text::patch::Patch;
 use crate::document::tree::nodes::{arguments, child, property, texture_node};
+use crate::language::keywords::{COLOUR_POSITION, DECAL};
 use crate::language::tree::{self, Entry, Node};
 use crate::materials::{self, BUMP_HEIGHT};
 use crate::textures;
 
 impl<'d> Writer<'d> {
-    /// Patches that set a parameter of a texture or a colour ramp.
-    pub(crate) fn write_inside(&self, owner: &str, inside: Inside, value: &Value) -> Result<Vec<Patch>, EditError> {
-        let Some(holder) = holder(self.node, owner) else { return Ok(Vec::new()) };
-        match (inside, target(self.node, owner, inside)) {
+    /// Patches that set a parameter of a texture, a colour ramp or a decal.
+    pub(crate) fn write_inside(&self, place: &Place, inside: Inside, value: &Value) -> Result<Vec<Patch>, EditError> {
+        let Some(holder) = holder(self.node, place) else {
+            return match (place, inside) {
+                (Place::Decal(..), Inside::Argument) => self.insert(&format!("{DECAL} {}", fresh(value))),
+                _ => Ok(Vec::new()),
+            };
+        };
+        match (inside, target(holder, inside)) {
             (Inside::Property(word), Some(node)) => Ok(self.of(node).write_property(word, value)),
+            (Inside::ColourPosition(_), Some(node)) => Ok(self.of(node).write_property(COLOUR_POSITION, value)),
             (_, Some(node)) => Ok(self.of(node).write_arguments(value)),
             (Inside::Node(name), None) => self.of(holder).insert(&format!("{name} {}", fresh(value))),
             (_, None) => Ok(Vec::new()),
@@ -25,14 +32,22 @@ impl<'d> Writer<'d> {
     }
 
     /// Patches that reset it to its default.
-    pub(crate) fn erase_inside(&self, owner: &str, inside: Inside) -> Result<Vec<Patch>, EditError> {
-        let Some(holder) = holder(self.node, owner) else { return Ok(Vec::new()) };
+    pub(crate) fn erase_inside(&self, place: &Place, inside: Inside) -> Result<Vec<Patch>, EditError> {
+        let Some(holder) = holder(self.node, place) else { return Ok(Vec::new()) };
+        let erased = |node: &Node<'static>, word: &str| {
+            let entry = property(node, word);
+            entry.map(|entry| self.of(node).remove(entry)).into_iter().collect()
+        };
         match inside {
-            Inside::Property(word) => {
-                let entry = property(holder, word);
-                Ok(entry.map(|entry| self.of(holder).remove(entry)).into_iter().collect())
+            Inside::Property(word) => Ok(erased(holder, word)),
+            Inside::ColourPosition(_) => {
+                Ok(target(holder, inside).map_or_else(Vec::new, |node| erased(node, COLOUR_POSITION)))
             }
             Inside::Node(name) => self.of(holder).erase_node(name),
+            // A decal without a picture is none.
+            Inside::Argument if matches!(place, Place::Decal(..)) => {
+                self.erase_child(|child| std::ptr::eq(child, holder))
+            }
             Inside::Argument | Inside::Colour(_) => Ok(Vec::new()),
         }
     }

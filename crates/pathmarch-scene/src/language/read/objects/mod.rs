@@ -2,6 +2,7 @@
 //!
 //! Names, parameters and ranges come from [`pathmarch_field::registry`]; nothing here knows a particular shape.
 
+mod flux;
 mod instances;
 mod meshes;
 
@@ -23,13 +24,16 @@ use crate::language::tree::{Entry, Node, Span};
 use crate::materials::Material;
 use crate::mesh_files::MeshFile;
 use crate::scene::Object;
-use crate::settings::{self, BLEND, VISIBILITY};
+use crate::settings::{self, BLEND, EMITTER, VISIBILITY};
+use crate::unit::LengthUnit;
+use flux::{FluxError, scale_emission};
 use pathmarch_field::Outline;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::outline::NUMBERS_OF_ARC;
 use pathmarch_field::{
     Blend, BlendProfile, Field, Modifier, Node as FieldNode, Operator, Placement, ShapeRef, Solid, registry,
 };
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// More shapes are refused.
@@ -52,7 +56,7 @@ pub(crate) struct Solids<'m> {
     /// Operators and uses around.
     depth: usize,
     /// Names of the objects so far, and where.
-    pub(crate) names: std::collections::HashMap<String, Span>,
+    pub(crate) names: HashMap<String, Span>,
     shapes: usize,
     segments: usize,
     default: Option<u32>,
@@ -118,7 +122,7 @@ impl<'m> Solids<'m> {
     }
 
     /// An object, where it could be made of something and is not hidden.
-    pub(crate) fn object(&mut self, node: &Node, context: &mut Context) -> Option<Object> {
+    pub(crate) fn object(&mut self, node: &Node, unit: LengthUnit, context: &mut Context) -> Option<Object> {
         let usage = "`object \"name\" { … }`";
         if !node.entries.iter().any(|entry| entry.name.is_none()) {
             missing_arguments(node, usage, context);
@@ -131,7 +135,7 @@ impl<'m> Solids<'m> {
             }
         }
         let mut known = vec![MATERIAL];
-        known.extend(settings::names(VISIBILITY));
+        known.extend(settings::names(VISIBILITY).into_iter().chain(settings::names(EMITTER)));
         let named = properties(node, &known, context);
         let hidden = Properties::of(VISIBILITY, &named).flag("hidden", context);
         let own = named.iter().find(|(name, _)| *name == MATERIAL);
@@ -154,11 +158,46 @@ impl<'m> Solids<'m> {
                 mistake.label("expected a shape in its braces").help("For example: object \"ball\" { sphere 1 }."),
             );
         }
-        let root = if children.len() > 1 { combined("union", children)? } else { children.pop()? };
+        let mut root = if children.len() > 1 { combined("union", children)? } else { children.pop()? };
         meshes::refuse_combined_triangles(&root, node, context);
-        let material = material.unwrap_or_else(|| first_tag(&root)) as usize;
+        let lumens = Properties::of(EMITTER, &named).number("lumen", context);
+        let mut material = material.unwrap_or_else(|| first_tag(&root));
+        if let Some(lumens) = lumens.filter(|_| !hidden && !context.report.has_mistakes()) {
+            let span =
+                named.iter().find(|(name, _)| *name == EMITTER[0].name).map_or(node.name.span, |(_, it)| it.span);
+            let scaled = self.scaled_to(lumens, &mut root, unit, span, context);
+            material = scaled.get(&material).copied().unwrap_or(material);
+        }
+        let material = material as usize;
         let object = Object { name: given?.0.to_owned(), material, root };
         (!hidden).then_some(object)
+    }
+
+    /// Gives a solid materials that emit this flux; reports where that is not possible. Returns the new materials.
+    fn scaled_to(
+        &mut self,
+        lumens: f32,
+        root: &mut FieldNode,
+        unit: LengthUnit,
+        span: Span,
+        context: &mut Context,
+    ) -> HashMap<u32, u32> {
+        match scale_emission(root, lumens, unit, &mut self.materials.list) {
+            Ok(scaled) => return scaled,
+            Err(FluxError::Dark) => {
+                let message = "`lumen` has no effect: no material of this object emits.";
+                let warning = draft("pathmarch::no_effect", span, message).label("no effect");
+                let help = "Give it a material that emits: material \"lamp\" { emit 1 0.9 0.8 }.";
+                context.report.warn(warning.help(help));
+            }
+            Err(FluxError::Area(reason)) => {
+                let message = format!("The area of this object is not known: {reason}.");
+                let mistake = draft("pathmarch::no_flux", span, message).label("not here");
+                let help = "Give its material a radiance instead: 1 lm on each m² is a radiance of 0.000466.";
+                context.report.add(mistake.help(help));
+            }
+        }
+        HashMap::new()
     }
 
     /// Reads a shape or an operator; `place` as in "in an object", `others` are further names that are allowed there.
