@@ -6,6 +6,7 @@ pub(super) mod combine;
 pub(super) mod keyframes;
 pub(super) mod kinds;
 mod naming;
+pub(super) mod outline_points;
 pub(super) mod presets;
 pub(super) mod structure;
 pub(super) mod transaction;

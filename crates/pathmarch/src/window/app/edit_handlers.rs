@@ -34,6 +34,13 @@ impl App {
             Action::Subtract => self.combine("subtract"),
             Action::Intersect => self.combine("intersect"),
             Action::ToGround => self.put_on_ground(),
+            Action::SnapToSurfaces => {
+                self.snap_to_surfaces = !self.snap_to_surfaces;
+                self.show_message(match self.snap_to_surfaces {
+                    true => "Snap to surfaces: drag a shape by the disc in its middle.",
+                    false => "Snap to surfaces is off.",
+                });
+            }
             Action::Turntable => self.turntable(),
             Action::SetKey => self.set_key(),
             Action::Mirror => self.group_into("mirror"),

@@ -4,6 +4,7 @@ mod camera;
 mod controls;
 mod files;
 mod gallery;
+mod handles;
 mod kills;
 mod looks;
 mod monkey;
