@@ -322,7 +322,8 @@ impl Document {
     /// The scene without a node, and without what is empty then; `None` if that is no scene.
     pub fn scene_without(&mut self, path: &Path) -> Option<Arc<Scene>> {
         let mut path = path.clone();
-        while let Some(parent) = path.parent().filter(|parent| self.item(parent).is_some_and(|item| item.children.len() == 1))
+        while let Some(parent) =
+            path.parent().filter(|parent| self.item(parent).is_some_and(|item| item.children.len() == 1))
         {
             path = parent;
         }

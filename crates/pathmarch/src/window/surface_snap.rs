@@ -24,20 +24,27 @@ pub(crate) struct SurfacePoint {
 }
 
 /// Extent of a node from its origin against a normal, metres; `None` if it is infinite.
-pub(crate) fn extent_below(document: &Document, field: &Field, node: &Path, origin: DVec3, normal: DVec3) -> Option<f64> {
+pub(crate) fn extent_below(
+    document: &Document,
+    field: &Field,
+    node: &Path,
+    origin: DVec3,
+    normal: DVec3,
+) -> Option<f64> {
     let leaves = document.leaves_of(node);
     let bounds = leaves.iter().map(|leaf| field.leaf_bounds(*leaf)).reduce(Aabb::union)?;
     if !bounds.is_finite() || bounds.is_empty() {
         return None;
     }
     let corner = |k: usize| {
-        DVec3::from_array([0, 1, 2].map(|axis| {
-            f64::from(if k >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] })
-        }))
+        DVec3::from_array(
+            [0, 1, 2].map(|axis| f64::from(if k >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] })),
+        )
     };
     let of_bounds = (0..8).map(|k| (origin - corner(k)).dot(normal)).fold(f64::NEG_INFINITY, f64::max);
     let object = field.leaves().get(*leaves.first()?)?.object as usize;
-    let is_whole = field.leaves().iter().enumerate().all(|(k, leaf)| leaf.object as usize != object || leaves.contains(&k));
+    let is_whole =
+        field.leaves().iter().enumerate().all(|(k, leaf)| leaf.object as usize != object || leaves.contains(&k));
     if !is_whole {
         return Some(of_bounds);
     }

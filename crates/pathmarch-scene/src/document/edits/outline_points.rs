@@ -57,7 +57,11 @@ fn site<'t>(transaction: &'t Transaction, path: &Path, point: usize) -> Result<S
         Some(Site { block, top: false, index })
     });
     site.ok_or_else(|| {
-        EditError::NotHere(format!("`{}` has no point {}. Select one of those that it has.", found.node.name.value, point + 1))
+        EditError::NotHere(format!(
+            "`{}` has no point {}. Select one of those that it has.",
+            found.node.name.value,
+            point + 1
+        ))
     })
 }
 
@@ -67,7 +71,8 @@ pub(crate) fn set(transaction: &mut Transaction, path: &Path, point: usize, at: 
     let entries: Vec<&Entry> = arguments(site.node()).collect();
     let formula = |entry: &&&Entry| matches!(entry.value, Value::Text(_));
     if let (2, Some(first)) = (entries.iter().filter(formula).count(), entries.first()) {
-        let (label, formula) = (POINT.to_owned(), transaction.text[bytes(first.value_span)].trim_matches('"').to_owned());
+        let (label, formula) =
+            (POINT.to_owned(), transaction.text[bytes(first.value_span)].trim_matches('"').to_owned());
         return Err(EditError::Formula { label, formula });
     }
     let changed = entries.iter().zip(at).filter(|(entry, new)| match entry.value {

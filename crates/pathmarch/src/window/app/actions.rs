@@ -199,7 +199,10 @@ pub(crate) const POINTER: &[(&str, &str)] = &[
     ("Middle drag, or Shift + drag", "Pan the camera."),
     ("Right drag", "Look around without moving."),
     ("Wheel", "Move towards the target or away from it."),
-    ("Drag a point of an outline", "Move it; Ctrl snaps to round steps. A press on the outline adds a point, a right click on a point removes it or makes a corner."),
+    (
+        "Drag a point of an outline",
+        "Move it; Ctrl snaps to round steps. A press on the outline adds a point, a right click on a point removes it or makes a corner.",
+    ),
     ("W A S D", "Fly; Q and E go down and up, Shift is faster."),
     ("Ctrl + plus or minus", "Zoom the user interface; Ctrl + 0 resets it."),
     ("Alt + click", "Set the focus distance."),

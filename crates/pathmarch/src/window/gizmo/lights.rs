@@ -135,7 +135,13 @@ impl SpotCone {
     }
 
     /// Property and value with which a dot is at this point.
-    pub(super) fn change(&self, id: DotId, at: DVec3, projection: &Projection, snapping: bool) -> (&'static str, Value) {
+    pub(super) fn change(
+        &self,
+        id: DotId,
+        at: DVec3,
+        projection: &Projection,
+        snapping: bool,
+    ) -> (&'static str, Value) {
         let target = self.at + self.direction * self.distance;
         let out = (at - target).dot(self.across(projection));
         let half_angle = |radius: f64| (radius.max(0.0) / self.distance).atan().to_degrees();

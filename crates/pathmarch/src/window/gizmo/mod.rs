@@ -318,13 +318,7 @@ impl GizmoState {
 }
 
 /// Property value that gives a node its new world transform.
-fn change(
-    path: Path,
-    kind: GizmoMode,
-    outer: Transform,
-    world: Transform,
-    new: Transform,
-) -> GizmoChange {
+fn change(path: Path, kind: GizmoMode, outer: Transform, world: Transform, new: Transform) -> GizmoChange {
     let inner = outer.to_local(new);
     let (key, value) = match kind {
         GizmoMode::Move => {
@@ -354,10 +348,19 @@ enum DotKind {
 
 impl DotOwner {
     /// The node with dots for a selected one: a profile while it is moved, a shape while it is scaled, or a spot light.
-    fn of(of: GizmoScene, projection: &Projection, target: &Path, light: Option<(LightHandles, Transform)>) -> Option<Self> {
+    fn of(
+        of: GizmoScene,
+        projection: &Projection,
+        target: &Path,
+        light: Option<(LightHandles, Transform)>,
+    ) -> Option<Self> {
         if let Some((light, _)) = light {
             let LightHandles::Spot(cone) = light else { return None };
-            return Some(Self { path: target.clone(), dots: cone.dots(projection).to_vec(), kind: DotKind::Spot(cone) });
+            return Some(Self {
+                path: target.clone(),
+                dots: cone.dots(projection).to_vec(),
+                kind: DotKind::Spot(cone),
+            });
         }
         match of.mode {
             GizmoMode::Move => {

@@ -456,7 +456,9 @@ fn sizes_of_shapes_follow_their_dots() {
         for (index, (name, rate)) in sizes.iter().enumerate() {
             let dot = dots[index];
             let dots::Way::Line(axis) = dot.way else { panic!("a line") };
-            let Some(Value::Number(before)) = transform::present_value(&document, &path, name) else { panic!("{name}") };
+            let Some(Value::Number(before)) = transform::present_value(&document, &path, name) else {
+                panic!("{name}")
+            };
             let (key, value) = found.change(index, dot.at + axis * 0.1, false).expect("a change");
             let Value::Number(value) = value else { panic!("a number") };
             assert_eq!(key, *name);
