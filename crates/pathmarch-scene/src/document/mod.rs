@@ -37,9 +37,10 @@ use crate::scene::{Camera, Moment, Scene};
 pub use control::{Addition, Control, ControlKind, Group, NumberRange, Value};
 pub use edits::outline_points::ControlPoint;
 pub use edits::presets::{PRESETS, Preset};
+pub use edits::ramp::Ramp;
 use edits::transaction::Transaction;
 use edits::write::check::{check, keeping_formulas};
-use edits::{additions, camera, combine, keyframes, kinds, outline_points, presets, structure};
+use edits::{additions, camera, combine, keyframes, kinds, outline_points, presets, ramp, structure};
 pub use error::EditError;
 use history::History;
 use parameters::{Parameter, Place, parameters};
@@ -318,6 +319,39 @@ impl Document {
         let verb = if is_corner { "Make a corner at" } else { "Smooth" };
         let label = format!("{verb} point {} of {}", point + 1, self.title(path));
         self.edit(&label, None, |transaction| outline_points::set_corner(transaction, path, point, is_corner))
+    }
+    /// Colour ramps of a material, also those without colours in the text.
+    pub fn ramps(&self, path: &Path) -> Vec<Ramp> {
+        ramp::ramps(&self.parameters(path))
+    }
+    /// Adds colours to a ramp of a material, of which the first then has this index. `undo_group` is that of [`Self::set`].
+    pub fn add_colours(
+        &mut self,
+        path: &Path,
+        ramp: &Ramp,
+        index: usize,
+        colours: &[[f32; 3]],
+        undo_group: Option<u64>,
+    ) -> Result<(), EditError> {
+        let label = format!("Add colour to {}", ramp.name);
+        self.edit(&label, undo_group, |transaction| ramp::add(transaction, path, ramp.owner, index, colours))
+    }
+    /// Removes a colour of a ramp.
+    pub fn remove_colour(&mut self, path: &Path, ramp: &Ramp, index: usize) -> Result<(), EditError> {
+        let label = format!("Remove colour {} of {}", index + 1, ramp.name);
+        self.edit(&label, None, |transaction| ramp::remove(transaction, path, ramp.owner, index))
+    }
+    /// Moves a colour of a ramp to another index. `undo_group` is that of [`Self::set`].
+    pub fn move_colour(
+        &mut self,
+        path: &Path,
+        ramp: &Ramp,
+        from: usize,
+        to: usize,
+        undo_group: Option<u64>,
+    ) -> Result<(), EditError> {
+        let label = format!("Move colour {} of {}", from + 1, ramp.name);
+        self.edit(&label, undo_group, |transaction| ramp::move_to(transaction, path, ramp.owner, from, to))
     }
     /// The scene without a node, and without what is empty then; `None` if that is no scene.
     pub fn scene_without(&mut self, path: &Path) -> Option<Arc<Scene>> {

@@ -1075,3 +1075,38 @@ fn a_scene_is_read_without_a_node() {
     assert_eq!(without.objects.len(), 1);
     assert_eq!((document.text(), document.revision()), (CURVE, revision));
 }
+
+#[test]
+fn colours_of_ramps_are_added_moved_and_removed() {
+    const TEXT: &str = "pathmarch 1
+camera { position 0 0 5; target 0 0 0 }
+material \"stone\" {
+    principled { marble size=0.4 { colour 0.9 0.88 0.85; colour 0.25; rotate 0 0 30; colour \"0.1*2\" } }
+    roughness { fbm from=0.2 }
+    orbit-trap \"line\"
+}
+";
+    let mut document = Document::new("a.kdl", TEXT);
+    let stone = path(&document, "stone");
+    let ramps = document.ramps(&stone);
+    let names: Vec<_> = ramps.iter().map(|ramp| (ramp.name.as_str(), ramp.colours.len())).collect();
+    assert_eq!(names, [("base", 3), ("orbit-trap", 0)], "a roughness has no colours");
+    assert_eq!(ramps[0].colours, [[0.9, 0.88, 0.85], [0.25; 3], [0.2; 3]]);
+    let texts = |document: &Document, part: &str| assert!(document.text().contains(part), "{}", document.text());
+    document.add_colours(&stone, &ramps[0], 1, &[[1.0, 0.5, 0.0]], None).expect("added");
+    texts(&document, "{ colour 0.9 0.88 0.85; colour 1 0.5 0; colour 0.25; rotate 0 0 30; colour \"0.1*2\" }");
+    document.move_colour(&stone, &ramps[0], 3, 0, Some(1)).expect("moved");
+    texts(&document, "{ colour \"0.1*2\"; colour 0.9 0.88 0.85; colour 1 0.5 0; colour 0.25; rotate 0 0 30 }");
+    document.move_colour(&stone, &ramps[0], 0, 1, Some(1)).expect("moved");
+    texts(&document, "{ colour 0.9 0.88 0.85; colour \"0.1*2\"; colour 1 0.5 0; colour 0.25; rotate 0 0 30 }");
+    document.remove_colour(&stone, &ramps[0], 1).expect("removed");
+    texts(&document, "{ colour 0.9 0.88 0.85; colour 1 0.5 0; colour 0.25; rotate 0 0 30 }");
+    document.add_colours(&stone, &ramps[1], 0, &[[0.02; 3], [0.9, 0.0, 0.0]], None).expect("the first ones");
+    texts(&document, "orbit-trap \"line\" { colour 0.02; colour 0.9 0 0 }");
+    assert!(matches!(document.remove_colour(&stone, &ramps[0], 7), Err(EditError::NotHere(_))));
+    let mut steps = 0;
+    while document.undo().is_some() {
+        steps += 1;
+    }
+    assert_eq!((steps, document.text()), (4, TEXT), "moves of one drag are one step");
+}

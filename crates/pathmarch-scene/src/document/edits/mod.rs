@@ -8,6 +8,7 @@ pub(super) mod kinds;
 mod naming;
 pub(super) mod outline_points;
 pub(super) mod presets;
+pub(super) mod ramp;
 pub(super) mod structure;
 pub(super) mod transaction;
 pub(super) mod write;

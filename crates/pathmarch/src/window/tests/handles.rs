@@ -1,4 +1,4 @@
-//! Dots in the picture: control points of profiles, sizes of shapes, the cone of a spot light; and snapping to surfaces.
+//! Colour ramps, and dots in the picture: control points of profiles, sizes of shapes, the cone of a spot light; and snapping to surfaces.
 
 use super::*;
 use pathmarch_render::pathmarch_scene::document::key;
@@ -175,4 +175,44 @@ fn dragged_things_go_to_the_surface_under_the_pointer() {
     person.drag_dot(0, to);
     let Value::Triple([x, y, z]) = person.value("spot", "target") else { panic!("a target") };
     assert!((x - 1.2).abs() < 0.02 && (y - 0.4).abs() < 0.01 && (z - 0.1).abs() < 0.03, "{x} {y} {z}");
+}
+
+#[test]
+fn colours_of_a_ramp_are_added_dragged_and_removed() {
+    let ramp = "material \"stone\" { diffuse { marble { colour 1 0 0; colour 0 1 0; colour 0 0 1 } } }";
+    let text = format!("{TEXT}{ramp}\n");
+    let mut person = Start::with(&text).go();
+    person.select("stone");
+    let bar = |person: &Person| {
+        let nodes: Vec<_> = person.harness.query_all_by_label("diffuse ramp").map(|node| node.rect()).collect();
+        nodes.into_iter().find(|rect| rect.width() > 100.0).expect("a bar")
+    };
+    let at = |person: &Person, share: f32| {
+        let rect = bar(person).shrink2(Vec2::new(4.5, 0.0));
+        Pos2::new(egui::lerp(rect.x_range(), share), rect.max.y - 4.0)
+    };
+    // The last colour to the first place, across the middle one: one step.
+    let (from, to) = (at(&person, 1.0), at(&person, 0.02));
+    person.drag(from, to, PointerButton::Primary, Modifiers::NONE);
+    assert!(person.text().contains("{ colour 0 0 1; colour 1 0 0; colour 0 1 0 }"), "{}", person.text());
+    assert_eq!(person.undo_all(), 1);
+    let between = at(&person, 0.75);
+    person.click_at(between, Modifiers::NONE);
+    let (_, line) = changed_lines(&text, person.text())[0];
+    assert!(line.contains("colour 0 1 0; colour 0 0.") && line.contains("; colour 0 0 1"), "{line}");
+    assert_eq!(line.matches("colour").count(), 4);
+    let third = at(&person, 2.0 / 3.0);
+    person.hover(third);
+    person.button(third, PointerButton::Secondary, true, Modifiers::NONE);
+    person.button(third, PointerButton::Secondary, false, Modifiers::NONE);
+    person.wait(PAUSE);
+    assert_eq!(person.text(), text);
+    assert_eq!(person.undo_all(), 2);
+    // A texture without colours starts a ramp.
+    let plain = text.replace("marble { colour 1 0 0; colour 0 1 0; colour 0 0 1 }", "marble");
+    let mut person = Start::with(&plain).go();
+    person.select("stone");
+    person.click("diffuse colours");
+    assert!(person.text().contains("diffuse { marble { colour 0.02; colour 0.9 } }"), "{}", person.text());
+    assert_eq!(person.undo_all(), 1);
 }

@@ -8,6 +8,7 @@ mod handles;
 mod kills;
 mod looks;
 mod monkey;
+mod pictures;
 mod recovery;
 mod time;
 mod tree;
