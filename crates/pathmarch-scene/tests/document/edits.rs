@@ -1090,7 +1090,7 @@ material \"stone\" {
     let stone = path(&document, "stone");
     let ramps = document.ramps(&stone);
     let names: Vec<_> = ramps.iter().map(|ramp| (ramp.name.as_str(), ramp.colours.len())).collect();
-    assert_eq!(names, [("base", 3), ("orbit-trap", 0)], "a roughness has no colours");
+    assert_eq!(names, [("colour", 3), ("orbit-trap", 0)], "a roughness has no colours");
     assert_eq!(ramps[0].colours, [[0.9, 0.88, 0.85], [0.25; 3], [0.2; 3]]);
     let texts = |document: &Document, part: &str| assert!(document.text().contains(part), "{}", document.text());
     document.add_colours(&stone, &ramps[0], 1, &[[1.0, 0.5, 0.0]], None).expect("added");

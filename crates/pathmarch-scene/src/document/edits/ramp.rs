@@ -1,12 +1,14 @@
 //! Colour ramps: the `colour` nodes of a texture or an orbit trap.
 
 use super::transaction::Transaction;
+use crate::document::control::{ControlKind, Value};
 use crate::document::error::EditError;
 use crate::document::parameters::{Inside, Parameter, Place, holder};
 use crate::document::text::layout::{Chunk, Site, insert_first};
 use crate::document::text::literals::numbers;
 use crate::document::tree::path::Path;
 use crate::language::keywords::{COLOUR, ORBIT_TRAP};
+use crate::textures;
 
 /// A colour ramp of a material.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,15 +23,22 @@ pub struct Ramp {
 
 /// Ramps among the parameters of a material.
 pub(crate) fn ramps(parameters: &[Parameter]) -> Vec<Ramp> {
-    use crate::document::control::{ControlKind, Value};
     let mut ramps: Vec<Ramp> = Vec::new();
+    // The texture of a number has a range of values, that of bumps a height.
+    let is_number = |name: &str| {
+        let words = ["from", "height"].map(|word| format!("{name}.{word}"));
+        parameters.iter().any(|parameter| words.iter().any(|word| *word == parameter.control.key))
+    };
     for Parameter { control, place } in parameters {
         let name = control.key.split('.').next().unwrap_or_default().to_owned();
         let owner = match place {
             Place::Inside(owner, Inside::Colour(_)) => *owner,
             // One that has no colours yet.
             Place::Node(ORBIT_TRAP) if control.given => ORBIT_TRAP,
-            Place::Texture(owner) if control.given && control.value != Value::Text("picture".to_owned()) => owner,
+            Place::Texture(owner) if control.given && !is_number(&name) => match &control.value {
+                Value::Text(kind) if textures::kind(kind).is_some() => owner,
+                _ => continue,
+            },
             _ => continue,
         };
         if ramps.iter().all(|ramp| ramp.owner != owner) {

@@ -55,11 +55,6 @@ impl Profile {
         Some(Self { path, pieces: pieces(&points, closed), points, to_world, least_x })
     }
 
-    /// Number of control points.
-    pub(super) fn count(&self) -> usize {
-        self.points.len()
-    }
-
     pub(super) fn point(&self, index: usize) -> Option<&ControlPoint> {
         self.points.get(index)
     }

@@ -427,7 +427,7 @@ fn an_open_line_has_no_piece_from_its_end_to_its_start() {
             "object \"a\" {{ extrude {{ curve {width} {{ point 0 0; point 1 0; point 1 0; point 1 1; point 0 1 }} }} }}"
         );
         let profile = Profile::of(&scene_with(&text), &Path::top(2), view.position).expect("a profile");
-        assert_eq!(profile.count(), 5);
+        assert_eq!(profile.dots().len(), 5);
         let outline: Vec<_> = [[1.0, 0.5], [0.0, 0.5]]
             .map(|at| view.project(profile.dot(0, at).at).expect("seen"))
             .map(|at| (0..60).find_map(|k| profile.on_outline(&view, at + Vec2::new(k as f32 - 30.0, 0.0))))

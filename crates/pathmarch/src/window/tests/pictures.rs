@@ -51,12 +51,11 @@ impl Person {
 fn pictures_of_the_documentation() {
     let mut person = at_example("candle-light");
     person.select("curve");
-    person.app_mut().run_action(&person.harness.ctx.clone(), crate::window::app::actions::Action::FrameSelection);
+    person.key(Key::F);
     person.shown_in("window-profile.jpg");
 
     let mut person = at_example("day");
-    let sky = person.path("sky");
-    person.app_mut().select(Some(sky));
+    person.select("sky");
     person.shown_in("window-sun.jpg");
 
     let mut person = at_example("textures");
@@ -67,7 +66,8 @@ fn pictures_of_the_documentation() {
     person.key(Key::F7);
     person.shown_in("window-palette.jpg");
 
-    let text = super::looks::STILL.replace("sun {", "spot { at -1.2 2.2 1.2; target -0.2 0.3 0.4; intensity 30; cone 40 }\nsun {");
+    let text = super::looks::STILL
+        .replace("sun {", "spot { at -1.2 2.2 1.2; target -0.2 0.3 0.4; intensity 30; cone 40 }\nsun {");
     let mut person = Start::with(&text).drawn(true).size(1000.0, 620.0).go();
     person.select("spot");
     person.shown_in("window-spot.jpg");

@@ -152,7 +152,9 @@ impl App {
         let mut copied = false;
         ui.horizontal_wrapped(|ui| {
             ui.weak(format!("Used {uses} times."));
-            let button = ui.small_button("Make a copy").on_hover_text("Give this one its own copy; the others keep the material.");
+            let button = ui
+                .small_button("Make a copy")
+                .on_hover_text("Give this one its own copy; the others keep the material.");
             copied = button.clicked();
         });
         if copied {
@@ -206,7 +208,10 @@ impl App {
             ui.horizontal_wrapped(|ui| {
                 ui.weak("Add:");
                 for ramp in &empty {
-                    let button = ui.small_button(format!("{} colours", ramp.name));
+                    let button = ui.small_button(match &*ramp.name {
+                        "colour" => "colours".to_owned(),
+                        name => format!("{name} colours"),
+                    });
                     if button.on_hover_text("Add a ramp of colours, from the value 0 to the value 1.").clicked() {
                         started = Some(*ramp);
                     }
