@@ -184,7 +184,7 @@ fn colours_of_a_ramp_are_added_dragged_and_removed() {
     let mut person = Start::with(&text).go();
     person.select("stone");
     let bar = |person: &Person| {
-        let nodes: Vec<_> = person.harness.query_all_by_label("colour ramp").map(|node| node.rect()).collect();
+        let nodes: Vec<_> = person.harness.query_all_by_label("albedo ramp").map(|node| node.rect()).collect();
         nodes.into_iter().find(|rect| rect.width() > 100.0).expect("a bar")
     };
     let at = |person: &Person, share: f32| {
@@ -212,7 +212,7 @@ fn colours_of_a_ramp_are_added_dragged_and_removed() {
     let plain = text.replace("marble { colour 1 0 0; colour 0 1 0; colour 0 0 1 }", "marble");
     let mut person = Start::with(&plain).go();
     person.select("stone");
-    person.click("colours");
+    person.click("albedo colours");
     assert!(person.text().contains("diffuse { marble { colour 0.02; colour 0.9 } }"), "{}", person.text());
     assert_eq!(person.undo_all(), 1);
 }

@@ -1,7 +1,7 @@
 //! Pictures of the documentation: windows at work, written to `docs/images`.
 //!
-//! `cargo test --release -p pathmarch --bin pathmarch -- --ignored pictures_of_the_documentation` makes them again. With
-//! `PATHMARCH_PICTURES` they go to another directory.
+//! `cargo test --release -p pathmarch --bin pathmarch -- --ignored picture_of` makes them again. With
+//! `PATHMARCH_PICTURES` they go to another directory. Those of a small window are only to be looked at.
 
 use super::*;
 use image::codecs::jpeg::JpegEncoder;
@@ -32,7 +32,9 @@ impl Person {
             let [shown, all] = person.app().material_balls.counts();
             let samples = person.app().live.picture().map_or(0.0, |picture| picture.samples);
             let size = person.open().view.picture.as_ref().map(|(_, _, size)| *size);
-            shown == all && samples >= 24.0 && size == Some(person.open().view.picture_size(person.scene()))
+            shown == all
+                && samples >= f64::from(person.scene().render.samples.min(24))
+                && size == Some(person.open().view.picture_size(person.scene()))
         };
         self.until("the picture has samples", sharp);
         self.wait(2);
@@ -48,34 +50,46 @@ impl Person {
 
 #[test]
 #[ignore = "writes files to docs/images, and draws with a GPU adapter"]
-fn pictures_of_the_documentation() {
+fn picture_of_a_profile() {
     let mut person = at_example("candle-light");
     person.select("curve");
     person.key(Key::F);
     person.shown_in("window-profile.jpg");
+}
 
+#[test]
+#[ignore = "writes files to docs/images, and draws with a GPU adapter"]
+fn picture_of_a_sun() {
     let mut person = at_example("day");
     person.select("sky");
     person.shown_in("window-sun.jpg");
+}
 
+#[test]
+#[ignore = "writes files to docs/images, and draws with a GPU adapter"]
+fn picture_of_a_ramp_and_of_the_palette() {
     let mut person = at_example("textures");
-    let items = person.items();
-    let is_ramp = |item: &&Item| person.document().ramps(&item.path).iter().any(|ramp| ramp.colours.len() > 2);
-    let material = items.iter().find(is_ramp).expect("a ramp").path.clone();
-    person.app_mut().select(Some(material));
+    person.select("voronoi");
+    person.shown_in("window-ramp.jpg");
     person.key(Key::F7);
     person.shown_in("window-palette.jpg");
+}
 
-    let text = super::looks::STILL
-        .replace("sun {", "spot { at -1.2 2.2 1.2; target -0.2 0.3 0.4; intensity 30; cone 40 }\nsun {");
-    let mut person = Start::with(&text).drawn(true).size(1000.0, 620.0).go();
+#[test]
+#[ignore = "writes files to docs/images, and draws with a GPU adapter"]
+fn picture_of_a_spot_light() {
+    let spot = "spot { at -1.2 2.2 1.2; target -0.2 0.3 0.4; intensity 30; cone 40 }\nsun {";
+    let mut person = Start::with(&super::looks::STILL.replace("sun {", spot)).drawn(true).size(1000.0, 620.0).go();
     person.select("spot");
     person.shown_in("window-spot.jpg");
 }
 
 #[test]
-#[ignore = "writes files to docs/images, and draws with a GPU adapter"]
-fn pictures_of_a_small_window() {
+#[ignore = "writes files to PATHMARCH_PICTURES, and draws with a GPU adapter"]
+fn picture_of_a_small_window() {
+    if std::env::var_os("PATHMARCH_PICTURES").is_none() {
+        return;
+    }
     let text = format!("{}sky \"day\"\n", super::looks::STILL.replace("sky 0.22 0.3 0.45\n", ""));
     let mut person = Start::with(&text).drawn(true).size(420.0, 320.0).go();
     person.select("sky");

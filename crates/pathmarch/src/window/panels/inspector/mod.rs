@@ -16,7 +16,7 @@ use ramp::RampChange;
 use widgets::{Change, row};
 
 /// Smallest window width with room for inspector and picture, points.
-const LEAST_WINDOW: f32 = 640.0;
+pub(super) const LEAST_WINDOW: f32 = 640.0;
 /// Colours that a ramp starts with.
 const DEFAULT_COLOURS: [[f32; 3]; 2] = [[0.02; 3], [0.9; 3]];
 /// Space that a row needs beside its slider, points.

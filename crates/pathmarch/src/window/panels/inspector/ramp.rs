@@ -34,7 +34,9 @@ fn nearest(bar: Rect, count: usize, at: Pos2) -> usize {
 /// Draws the bar of a ramp with colours; returns a change.
 pub(super) fn bar(ui: &mut Ui, path: &Path, ramp: &Ramp, label: &Response) -> Option<RampChange> {
     let count = ramp.colours.len();
-    let size = BAR.min(Vec2::new(ui.available_width() - 4.0, BAR.y)).max(Vec2::new(40.0, BAR.y));
+    // A grid does not know how much room is left in its last column.
+    let room = ui.clip_rect().max.x - ui.cursor().min.x - 2.0 * MARK;
+    let size = Vec2::new(BAR.x.min(room).max(40.0), BAR.y);
     let (rect, response) = ui.allocate_exact_size(size + Vec2::new(MARK, MARK), Sense::click_and_drag());
     let name = format!("{} ramp", ramp.name);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, name.clone()));
