@@ -66,7 +66,7 @@ impl Sizes {
             sizes.push(Size { param, value: f64::from(values[index]), axis, rate: rates[axis] });
         }
         let world = world_transform(document, scene, path);
-        (!sizes.is_empty()).then(|| Self { sizes, bounds, world })
+        (!sizes.is_empty()).then_some(Self { sizes, bounds, world })
     }
 
     /// Middle of the side that a length moves.

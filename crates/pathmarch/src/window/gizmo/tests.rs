@@ -465,7 +465,7 @@ fn sizes_of_shapes_follow_their_dots() {
             assert!((f64::from(value - before) - 0.1 * rate).abs() < 2e-3, "{shape} {name}: {before} {value}");
             // Never to nothing.
             let (_, least) = found.change(index, dot.at - axis * 9.0, false).expect("a change");
-            assert!(matches!(least, Value::Number(least) if least >= 0.0 && least < 0.01), "{least:?}");
+            assert!(matches!(least, Value::Number(least) if (0.0..0.01).contains(&least)), "{least:?}");
         }
     }
     let document = scene_with("object \"a\" { plane }");

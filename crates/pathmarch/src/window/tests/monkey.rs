@@ -118,7 +118,14 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
             let item = items[random.below(items.len())].path.clone();
             person.app_mut().select(Some(item));
         }
-        17 => person.harness.event(egui::Event::Text(TYPED[random.below(TYPED.len())].to_owned())),
+        17 => {
+            let text = person.harness.query_all_by_role_and_label(Role::MultilineTextInput, "Scene text").next();
+            if let (Some(text), 0) = (text, random.below(3)) {
+                text.focus();
+                person.harness.step();
+            }
+            person.harness.event(egui::Event::Text(TYPED[random.below(TYPED.len())].to_owned()));
+        }
         18 => person.harness.event(egui::Event::MouseWheel {
             unit: egui::MouseWheelUnit::Line,
             delta: Vec2::new(0.0, 8.0 * (random.unit() - 0.5)),
