@@ -42,7 +42,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("programs", nargs="*", default=[str(ROOT / "target/release/pathmarch")])
     parser.add_argument("--drags", type=int, default=60)
-    parser.add_argument("--scene", default=str(ROOT / "scenes/diffuse-sphere.kdl"))
+    parser.add_argument("--scene", default=str(ROOT / "scenes/thesis/diffuse-sphere.kdl"))
     parser.add_argument("--rounds", type=int, default=1)
     options = parser.parse_args()
     for _ in range(options.rounds):
