@@ -54,14 +54,14 @@ impl App {
             Action::Duplicate | Action::Delete | Action::Group | Action::Ungroup | Action::ToGround => {
                 enabled &= has_selection;
             }
-            Action::SnapToSurfaces if self.snap_to_surfaces => name = format!("✔ {name}"),
             Action::AllowFiles => enabled &= document.is_some_and(Document::is_confined),
             Action::Unite | Action::Subtract | Action::Intersect => {
                 enabled &= self.open.as_ref().is_some_and(|open| open.view.selection.paths().len() > 1);
             }
             _ => {}
         }
-        let mut button = egui::Button::new(name);
+        let is_on = entry.action == Action::SnapToSurfaces && self.snap_to_surfaces;
+        let mut button = egui::Button::new(name).selected(is_on);
         if let Some(shortcut) = &entry.shortcut {
             button = button.shortcut_text(ui.ctx().format_shortcut(shortcut));
         }
