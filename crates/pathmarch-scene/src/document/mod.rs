@@ -35,10 +35,12 @@ use crate::language::tree::Block;
 use crate::language::{Read, Values};
 use crate::scene::{Camera, Moment, Scene};
 pub use control::{Addition, Control, ControlKind, Group, NumberRange, Value};
+pub use edits::outline_points::ControlPoint;
 pub use edits::presets::{PRESETS, Preset};
+pub use edits::ramp::Ramp;
 use edits::transaction::Transaction;
 use edits::write::check::{check, keeping_formulas};
-use edits::{additions, camera, combine, keyframes, kinds, presets, structure};
+use edits::{additions, camera, combine, keyframes, kinds, outline_points, presets, ramp, structure};
 pub use error::EditError;
 use history::History;
 use parameters::{Parameter, Place, parameters};
@@ -278,6 +280,92 @@ impl Document {
     pub fn reset_in(&mut self, path: &Path, key: &str, undo_group: Option<u64>) -> Result<(), EditError> {
         let parameter = self.transaction()?.parameter(path, key)?;
         self.erase(path, parameter, undo_group)
+    }
+    /// Control points of a polygon or a curve, in their order; none of other nodes, and none if the text has no points.
+    pub fn control_points(&self, path: &Path) -> Vec<ControlPoint> {
+        let found = self.reading.file.as_ref().and_then(|file| outline::find(file, path));
+        let shapes = found.filter(|found| found.kind == ItemKind::Shape);
+        shapes.map_or_else(Vec::new, |found| outline_points::control_points(found.node, &self.reading.values))
+    }
+    /// Moves a control point; a coordinate that is a formula stays. `undo_group` is that of [`Self::set`].
+    pub fn move_point(
+        &mut self,
+        path: &Path,
+        point: usize,
+        at: [f32; 2],
+        undo_group: Option<u64>,
+    ) -> Result<(), EditError> {
+        let label = format!("Move point {} of {}", point + 1, self.title(path));
+        self.edit(&label, undo_group, |transaction| outline_points::set(transaction, path, point, at))
+    }
+    /// Adds a control point, which then has this index.
+    pub fn add_point(
+        &mut self,
+        path: &Path,
+        point: usize,
+        at: [f32; 2],
+        undo_group: Option<u64>,
+    ) -> Result<(), EditError> {
+        let label = format!("Add point to {}", self.title(path));
+        self.edit(&label, undo_group, |transaction| outline_points::add(transaction, path, point, at))
+    }
+    /// Removes a control point. Refused for one of the last three of an area, or the last two of a line.
+    pub fn remove_point(&mut self, path: &Path, point: usize) -> Result<(), EditError> {
+        let label = format!("Remove point {} of {}", point + 1, self.title(path));
+        self.edit(&label, None, |transaction| outline_points::remove(transaction, path, point))
+    }
+    /// Makes a curve have a corner at a control point, or be smooth there.
+    pub fn set_corner(&mut self, path: &Path, point: usize, is_corner: bool) -> Result<(), EditError> {
+        let verb = if is_corner { "Make a corner at" } else { "Smooth" };
+        let label = format!("{verb} point {} of {}", point + 1, self.title(path));
+        self.edit(&label, None, |transaction| outline_points::set_corner(transaction, path, point, is_corner))
+    }
+    /// Colour ramps of a material, also those without colours in the text.
+    pub fn ramps(&self, path: &Path) -> Vec<Ramp> {
+        ramp::ramps(&self.parameters(path))
+    }
+    /// Adds colours to a ramp of a material, of which the first then has this index. `undo_group` is that of [`Self::set`].
+    pub fn add_colours(
+        &mut self,
+        path: &Path,
+        ramp: &Ramp,
+        index: usize,
+        colours: &[[f32; 3]],
+        undo_group: Option<u64>,
+    ) -> Result<(), EditError> {
+        let label = format!("Add colour to {}", ramp.name);
+        self.edit(&label, undo_group, |transaction| ramp::add(transaction, path, ramp.owner, index, colours))
+    }
+    /// Removes a colour of a ramp.
+    pub fn remove_colour(&mut self, path: &Path, ramp: &Ramp, index: usize) -> Result<(), EditError> {
+        let label = format!("Remove colour {} of {}", index + 1, ramp.name);
+        self.edit(&label, None, |transaction| ramp::remove(transaction, path, ramp.owner, index))
+    }
+    /// Moves a colour of a ramp to another index. `undo_group` is that of [`Self::set`].
+    pub fn move_colour(
+        &mut self,
+        path: &Path,
+        ramp: &Ramp,
+        from: usize,
+        to: usize,
+        undo_group: Option<u64>,
+    ) -> Result<(), EditError> {
+        let label = format!("Move colour {} of {}", from + 1, ramp.name);
+        self.edit(&label, undo_group, |transaction| ramp::move_to(transaction, path, ramp.owner, from, to))
+    }
+    /// The scene without a node, and without what is empty then; `None` if that is no scene.
+    pub fn scene_without(&mut self, path: &Path) -> Option<Arc<Scene>> {
+        let mut path = path.clone();
+        while let Some(parent) =
+            path.parent().filter(|parent| self.item(parent).is_some_and(|item| item.children.len() == 1))
+        {
+            path = parent;
+        }
+        let mut transaction = self.transaction().ok()?;
+        transaction.take_out(&path, false).ok()?;
+        let (text, _) = transaction.finish();
+        let read = language::read(&self.name, &text, self.moment, &mut self.assets);
+        read.scene.ok().map(Arc::new)
     }
     /// Additions to a node, or to the file.
     pub fn additions(&self, parent: Option<&Path>) -> Vec<Addition> {

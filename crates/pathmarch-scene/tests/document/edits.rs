@@ -1017,3 +1017,96 @@ fn a_texture_keeps_the_colour() {
     let rough = with("metal 0.9; roughness 0.3", "roughness.texture", "fbm");
     assert!(rough.contains("roughness { fbm }"), "{rough}");
 }
+
+const CURVE: &str = "pathmarch 1
+camera { position 0 0 5; target 0 0 0 }
+object \"glass\" {
+    revolve {
+        curve 0.02 {
+            point 0.4 0 // foot
+            point 0.1 \"0.1 + 0.1\"
+            point 0.5 1 corner=#true
+        }
+    }
+}
+object \"tag\" { extrude 0.1 { polygon { point 0 0; point 1 0; point 0 1 } } }
+";
+
+#[test]
+fn control_points_are_moved_added_and_removed_in_place() {
+    let mut document = Document::new("a.kdl", CURVE);
+    let (curve, polygon) = (path(&document, "curve"), path(&document, "polygon"));
+    let points = document.control_points(&curve);
+    assert_eq!(points.iter().map(|point| point.at).collect::<Vec<_>>(), [[0.4, 0.0], [0.1, 0.2], [0.5, 1.0]]);
+    assert_eq!(points.iter().map(|point| point.is_corner).collect::<Vec<_>>(), [false, false, true]);
+    assert!(document.control_points(&polygon).iter().all(|point| point.is_corner));
+    assert_eq!(document.control_points(&path(&document, "revolve")), []);
+    // One step of undo for a drag, of which the first part adds the point.
+    document.add_point(&curve, 1, [0.3, 0.05], Some(1)).expect("added");
+    document.move_point(&curve, 1, [0.25, 0.05], Some(1)).expect("moved");
+    assert!(document.text().contains("point 0.4 0 // foot\n            point 0.25 0.05\n"), "{}", document.text());
+    assert_eq!(document.can_undo(), Some("Add point to curve"));
+    document.undo();
+    assert_eq!(document.text(), CURVE);
+    // A formula stays.
+    document.move_point(&curve, 1, [0.2, 0.7], None).expect("moved");
+    assert!(document.text().contains("point 0.2 \"0.1 + 0.1\""), "{}", document.text());
+    document.set_corner(&curve, 1, true).expect("a corner");
+    assert!(document.text().contains("point 0.2 \"0.1 + 0.1\" corner=#true"), "{}", document.text());
+    document.set_corner(&curve, 2, false).expect("smooth");
+    assert!(document.text().contains("point 0.5 1\n"), "{}", document.text());
+    document.remove_point(&curve, 0).expect("two are left");
+    assert_eq!(document.control_points(&curve).len(), 2);
+    assert!(matches!(document.remove_point(&curve, 0), Err(EditError::Mistake { .. })));
+    assert!(matches!(document.move_point(&curve, 5, [0.0; 2], None), Err(EditError::NotHere(_))));
+    document.add_point(&polygon, 0, [-1.0, -1.0], None).expect("the first");
+    document.add_point(&polygon, 4, [-1.0, 1.0], None).expect("the last");
+    assert!(document.text().contains("{ point -1 -1; point 0 0; point 1 0; point 0 1; point -1 1 }"));
+    while document.undo().is_some() {}
+    assert_eq!(document.text(), CURVE);
+}
+
+#[test]
+fn a_scene_is_read_without_a_node() {
+    let mut document = Document::new("a.kdl", CURVE);
+    let revision = document.revision();
+    // The object is empty without its profile.
+    let without = document.scene_without(&path(&document, "curve")).expect("a scene");
+    assert_eq!(without.objects.len(), 1);
+    assert_eq!((document.text(), document.revision()), (CURVE, revision));
+}
+
+#[test]
+fn colours_of_ramps_are_added_moved_and_removed() {
+    const TEXT: &str = "pathmarch 1
+camera { position 0 0 5; target 0 0 0 }
+material \"stone\" {
+    principled { marble size=0.4 { colour 0.9 0.88 0.85; colour 0.25; rotate 0 0 30; colour \"0.1*2\" } }
+    roughness { fbm from=0.2 }
+    orbit-trap \"line\"
+}
+";
+    let mut document = Document::new("a.kdl", TEXT);
+    let stone = path(&document, "stone");
+    let ramps = document.ramps(&stone);
+    let names: Vec<_> = ramps.iter().map(|ramp| (ramp.name.as_str(), ramp.colours.len())).collect();
+    assert_eq!(names, [("colour", 3), ("orbit-trap", 0)], "a roughness has no colours");
+    assert_eq!(ramps[0].colours, [[0.9, 0.88, 0.85], [0.25; 3], [0.2; 3]]);
+    let texts = |document: &Document, part: &str| assert!(document.text().contains(part), "{}", document.text());
+    document.add_colours(&stone, &ramps[0], 1, &[[1.0, 0.5, 0.0]], None).expect("added");
+    texts(&document, "{ colour 0.9 0.88 0.85; colour 1 0.5 0; colour 0.25; rotate 0 0 30; colour \"0.1*2\" }");
+    document.move_colour(&stone, &ramps[0], 3, 0, Some(1)).expect("moved");
+    texts(&document, "{ colour \"0.1*2\"; colour 0.9 0.88 0.85; colour 1 0.5 0; colour 0.25; rotate 0 0 30 }");
+    document.move_colour(&stone, &ramps[0], 0, 1, Some(1)).expect("moved");
+    texts(&document, "{ colour 0.9 0.88 0.85; colour \"0.1*2\"; colour 1 0.5 0; colour 0.25; rotate 0 0 30 }");
+    document.remove_colour(&stone, &ramps[0], 1).expect("removed");
+    texts(&document, "{ colour 0.9 0.88 0.85; colour 1 0.5 0; colour 0.25; rotate 0 0 30 }");
+    document.add_colours(&stone, &ramps[1], 0, &[[0.02; 3], [0.9, 0.0, 0.0]], None).expect("the first ones");
+    texts(&document, "orbit-trap \"line\" { colour 0.02; colour 0.9 0 0 }");
+    assert!(matches!(document.remove_colour(&stone, &ramps[0], 7), Err(EditError::NotHere(_))));
+    let mut steps = 0;
+    while document.undo().is_some() {
+        steps += 1;
+    }
+    assert_eq!((steps, document.text()), (4, TEXT), "moves of one drag are one step");
+}

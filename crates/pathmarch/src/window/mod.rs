@@ -17,6 +17,7 @@ mod painter;
 mod panels;
 mod projection;
 mod source_editor;
+mod surface_snap;
 #[cfg(test)]
 mod tests;
 mod waker;

@@ -114,7 +114,9 @@ impl List<'_> {
     /// Adds the colours of a ramp.
     fn colours(&mut self, name: &str, owner: &'static str, count: usize) {
         for index in 0..count {
-            let (key, label) = (format!("{name}.{COLOUR}.{}", index + 1), format!("{name} {COLOUR} {}", index + 1));
+            let key = format!("{name}.{COLOUR}.{}", index + 1);
+            let owner_name = if name == COLOUR { String::new() } else { format!("{name} ") };
+            let label = format!("{owner_name}{COLOUR} {}", index + 1);
             let doc = "Colour of the ramp, which goes from the value 0 to the value 1.";
             let control = Control::new(key, label, doc, ControlKind::Colour { max: 1.0 }, Value::Colour([0.0; 3]));
             self.push(control.required(), Place::Inside(owner, Inside::Colour(index)));

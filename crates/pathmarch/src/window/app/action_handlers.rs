@@ -146,7 +146,7 @@ impl App {
         let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf));
         let bounds = boxes.filter(|bounds| bounds.is_finite()).reduce(|all, bounds| all.union(bounds));
         let Some(bounds) = bounds else {
-            self.show_message("The selection has no finite bounds.");
+            self.show_message("The selection has no finite size, so it cannot be framed.");
             return;
         };
         let (min, max) = (glam::Vec3::from(bounds.min), glam::Vec3::from(bounds.max));

@@ -34,6 +34,13 @@ impl App {
             Action::Subtract => self.combine("subtract"),
             Action::Intersect => self.combine("intersect"),
             Action::ToGround => self.put_on_ground(),
+            Action::SnapToSurfaces => {
+                self.snap_to_surfaces = !self.snap_to_surfaces;
+                self.show_message(match self.snap_to_surfaces {
+                    true => "Snap to surfaces: drag a shape by the disc in its middle.",
+                    false => "Snap to surfaces is off.",
+                });
+            }
             Action::Turntable => self.turntable(),
             Action::SetKey => self.set_key(),
             Action::Mirror => self.group_into("mirror"),
@@ -139,7 +146,7 @@ impl App {
         let undo_group = self.undo_group;
         for path in self.selected_paths() {
             let Some((target, at)) = self.place_on_ground(&path) else {
-                self.show_error("Only shapes with finite bounds can be put on the ground.");
+                self.show_error("Only shapes of finite size can be put on the ground.");
                 return;
             };
             self.edit(|open| open.document.set(&target, key::AT, Value::Triple(at), Some(undo_group)));
@@ -157,7 +164,7 @@ impl App {
             let is_camera = document.item(&path).is_some_and(|item| item.kind == ItemKind::Camera);
             let Some(target) = gizmo::target_node(document, &path).or(is_camera.then_some(path)) else {
                 self.show_message(
-                    "Only shapes, lights and cameras can have keys of their place; a parameter has them in its menu.",
+                    "Only shapes, lights and cameras have a position to key. For other numbers, right click their label and choose Set a key.",
                 );
                 return;
             };
@@ -212,7 +219,7 @@ impl App {
             let target = self.target_with_bounds(path);
             let target = target.filter(|(_, bounds)| centre(bounds).is_finite());
             let (Some(goal), Some((target, bounds))) = (goal, target) else {
-                return self.show_error("Only shapes with finite bounds can be aligned.");
+                return self.show_error("Only shapes of finite size can be aligned.");
             };
             let mut by = [0.0; 3];
             by[axis] = goal - centre(&bounds);

@@ -29,11 +29,13 @@ use egui::{Context, Ui};
 use pathmarch_cli::AppDirs;
 use pathmarch_render::Backend;
 use pathmarch_render::live::{Live, RenderRequest};
-use pathmarch_render::pathmarch_scene::document::EditError;
+use pathmarch_render::pathmarch_scene::Scene;
+use pathmarch_render::pathmarch_scene::document::{EditError, Path as NodePath};
 use pathmarch_render::reconstruct::ReconstructOptions;
 use performance::PerformanceHistory;
 use requests::{FileRequest, PendingAction};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use toasts::Toast;
 
@@ -70,6 +72,12 @@ pub(crate) struct App {
     pub(crate) toasts: Vec<Toast>,
     pub(crate) performance: PerformanceHistory,
     pub(crate) gizmo: GizmoState,
+    /// Dragged nodes go to the surface under the pointer.
+    pub(crate) snap_to_surfaces: bool,
+    /// Control point whose menu is open.
+    pub(crate) clicked_point: Option<(NodePath, usize)>,
+    /// Scene without the node that is dragged onto surfaces, and that node.
+    pub(crate) surroundings: Option<(NodePath, Option<Arc<Scene>>)>,
     pub(crate) source: SourceEditor,
     /// Histogram of the picture, while it is shown.
     pub(crate) histogram: Option<Histogram>,
@@ -136,6 +144,9 @@ impl App {
             toasts: Vec::new(),
             performance: PerformanceHistory::default(),
             gizmo: GizmoState::default(),
+            snap_to_surfaces: false,
+            clicked_point: None,
+            surroundings: None,
             source: SourceEditor::default(),
             histogram: None,
             help: false,

@@ -203,7 +203,7 @@ pub fn check_output(output: &Path, layers: &[Layer]) -> Result<(), String> {
 pub fn save_film(rendered: &Rendered, output: &Path, display: &Display, layers: &[Layer]) -> Result<String, String> {
     check_output(output, layers)?;
     rendered.write(output, display, layers)?;
-    Ok(format!("wrote {}: {}", output.display(), samples_of(rendered.film, rendered.settings)))
+    Ok(format!("Wrote {}: {}", output.display(), samples_of(rendered.film, rendered.settings)))
 }
 
 /// Number of samples, such as "16 of 64 samples", with a warning about non-finite ones.
@@ -251,7 +251,7 @@ impl<W: Fn()> Worker<'_, W> {
         let written = self.picture(&task.scene, &task.display, &task.output, 0.0, true)?;
         Ok(match written {
             Some(sentence) => format!("{sentence} in {:.1} s", started.elapsed().as_secs_f64()),
-            None => format!("cancelled; {} was not written", task.output.display()),
+            None => format!("Cancelled: {} was not written", task.output.display()),
         })
     }
 
@@ -280,7 +280,7 @@ impl<W: Fn()> Worker<'_, W> {
             wrote += u32::from(written.is_some());
         }
         let files = if wrote == 1 { "1 frame".to_owned() } else { format!("{wrote} frames") };
-        let begun = if self.shared.command() == CONTINUE { "wrote" } else { "stopped; wrote" };
+        let begun = if self.shared.command() == CONTINUE { "Wrote" } else { "Stopped; wrote" };
         let there = if skipped > 0 { format!(", {skipped} existed already") } else { String::new() };
         let seconds = started.elapsed().as_secs_f64();
         Ok(format!("{begun} {files} to {} in {seconds:.1} s{there}", task.output.display()))

@@ -124,7 +124,7 @@ fn a_cancelled_render_writes_nothing() {
     assert!(progress.samples > 0.0 && progress.of == 1_000_000.0 && progress.remaining.is_some(), "{progress:?}");
     export.cancel();
     let sentence = end(&export, &woken).expect("that is no failure");
-    assert!(sentence.contains("cancelled"), "{sentence}");
+    assert!(sentence.contains("Cancelled"), "{sentence}");
     // Dropping a render cancels it.
     let alive = Arc::new(());
     let weak = Arc::downgrade(&alive);
@@ -203,7 +203,7 @@ fn frames_equal_those_of_the_command_line_and_existing_ones_stay() {
     let scene = directory.path().join("scene.kdl");
     std::fs::write(&scene, &task.scene.source_text).expect("written");
     let sentence = run(task).expect("written");
-    assert!(sentence.starts_with("wrote 2 frames") && sentence.ends_with("1 existed already"), "{sentence}");
+    assert!(sentence.starts_with("Wrote 2 frames") && sentence.ends_with("1 existed already"), "{sentence}");
     let file = |name: &str| directory.path().join(name);
     assert_eq!(std::fs::read(file("a-03.exr")).expect("there"), kept);
     let Some(program) = program() else { return };

@@ -52,10 +52,10 @@ enum Grab {
 
 /// A plane through the node: two orthonormal vectors, and their cross product as normal.
 #[derive(Clone, Copy, Debug)]
-struct Plane {
-    u: DVec3,
-    v: DVec3,
-    normal: DVec3,
+pub(super) struct Plane {
+    pub(super) u: DVec3,
+    pub(super) v: DVec3,
+    pub(super) normal: DVec3,
 }
 
 impl Plane {
@@ -65,12 +65,12 @@ impl Plane {
     }
 
     /// Plane parallel to the image plane, facing the camera.
-    fn of_view(projection: &Projection) -> Self {
+    pub(super) fn of_view(projection: &Projection) -> Self {
         Self { u: projection.right, v: projection.up, normal: -projection.forward }
     }
 
     /// Intersection of a ray with this plane through `origin`.
-    fn intersect(&self, origin: DVec3, ray: Ray) -> Option<DVec3> {
+    pub(super) fn intersect(&self, origin: DVec3, ray: Ray) -> Option<DVec3> {
         let slope = ray.direction.dot(self.normal);
         if slope.abs() < MIN_SINE * ray.direction.length() {
             return None;
@@ -87,7 +87,7 @@ impl Plane {
 }
 
 /// Position along an axis through `origin` where it is closest to a ray, metres.
-fn nearest_on_axis(origin: DVec3, direction: DVec3, ray: Ray) -> Option<f64> {
+pub(super) fn nearest_on_axis(origin: DVec3, direction: DVec3, ray: Ray) -> Option<f64> {
     let square = ray.direction.length_squared();
     let along = ray.direction.dot(direction);
     let sine_square = 1.0 - along * along / square;

@@ -50,27 +50,27 @@ pub(super) fn draw(painter: &Painter, gizmo: &Gizmo, handles: &[Handle], hovered
     }
 }
 
-/// Draws the cone of a spot light from its position to its target, `axis` away; `angle` is the full one, degrees.
-pub(super) fn draw_cone(painter: &Painter, projection: &Projection, apex: DVec3, axis: DVec3, angle: f64) {
+/// Draws the cone of a spot light from its position to its target, `axis` away, with its radii there: that of the edge, and
+/// that up to which the light has its full intensity.
+pub(super) fn draw_cone(painter: &Painter, projection: &Projection, apex: DVec3, axis: DVec3, radii: [f64; 2]) {
     const SEGMENTS: u32 = 48;
-    /// Largest half angle that is drawn, degrees: wider cones have no base.
-    const WIDEST: f64 = 85.0;
-    let stroke = Stroke::new(0.3 * STROKE as f32, Color32::WHITE.gamma_multiply(IDLE));
     let across = axis.normalize_or(DVec3::NEG_Y).any_orthonormal_vector();
-    let radius = axis.length() * (0.5 * angle).min(WIDEST).to_radians().tan();
-    let (u, v) = (across * radius, axis.normalize_or_zero().cross(across) * radius);
-    let rim = |k: u32| {
+    let beside = axis.normalize_or_zero().cross(across);
+    let rim = |radius: f64, k: u32| {
         let (sine, cosine) = (f64::from(k) / f64::from(SEGMENTS) * std::f64::consts::TAU).sin_cos();
-        projection.project(apex + axis + u * cosine + v * sine)
+        projection.project(apex + axis + (across * cosine + beside * sine) * radius)
     };
-    let line = |a: Option<Pos2>, b: Option<Pos2>| {
+    let line = |a: Option<Pos2>, b: Option<Pos2>, strength: f32| {
         if let (Some(a), Some(b)) = (a, b) {
+            let stroke = Stroke::new(0.3 * STROKE as f32, Color32::WHITE.gamma_multiply(strength * IDLE));
             painter.line_segment([a, b], stroke);
         }
     };
-    (0..SEGMENTS).for_each(|k| line(rim(k), rim(k + 1)));
-    (0..4).for_each(|quarter| line(projection.project(apex), rim(quarter * SEGMENTS / 4)));
-    line(projection.project(apex), projection.project(apex + axis));
+    let [outer, inner] = radii;
+    (0..SEGMENTS).for_each(|k| line(rim(outer, k), rim(outer, k + 1), 1.0));
+    (0..SEGMENTS).for_each(|k| line(rim(inner, k), rim(inner, k + 1), 0.5));
+    (0..4).for_each(|quarter| line(projection.project(apex), rim(outer, quarter * SEGMENTS / 4), 1.0));
+    line(projection.project(apex), projection.project(apex + axis), 1.0);
 }
 
 /// Sort key of a handle: its extent towards the camera.

@@ -2,14 +2,19 @@
 //!
 //! **Idea.** Handles have a constant size on screen and are drawn by egui. A drag intersects the ray through the
 //! pointer with the axis or plane of the handle in world space ([`drag`]). Transforms in the scene language are
-//! relative to the parent operators, so the result is multiplied by their inverse ([`transform`]).
+//! relative to the parent operators, so the result is multiplied by their inverse ([`transform`]). Control points, sizes
+//! and the cone of a spot light are dots at their places ([`dots`]).
 //!
 //! **Where we differ.** Axes are always those of world space. Angles accumulate over several turns of a ring. A ring
 //! seen nearly edge-on rotates by the distance that the pointer moves along it.
 
+mod dots;
 mod drag;
 mod draw;
+mod lights;
+mod profile;
 mod shape;
+mod sizes;
 mod sun;
 #[cfg(test)]
 mod tests;
@@ -17,14 +22,20 @@ mod transform;
 
 use crate::window::open_scene::view_state::GizmoMode;
 use crate::window::projection::Projection;
+use crate::window::surface_snap::SurfacePoint;
+use dots::{Dot, DotDrag, DotId};
 use drag::Drag;
 use egui::{Pos2, Rect, Vec2};
-use glam::{DQuat, DVec3};
-use pathmarch_render::pathmarch_scene::Camera;
+use glam::DVec3;
+use lights::{LightHandles, SpotCone};
 use pathmarch_render::pathmarch_scene::document::{Document, ItemKind, Path, Value, key};
+use pathmarch_render::pathmarch_scene::{Camera, Scene};
+use profile::Profile;
 use shape::{Gizmo, Handle};
+use sizes::Sizes;
+use std::borrow::Cow;
 use sun::{SkyMap, Sun};
-use transform::{Transform, local_transform, parent_transform, present_value, round_to};
+use transform::{Transform, local_transform, parent_transform, round_to};
 
 /// Node that the gizmo changes: a shape, an operator, a point or a spot light; for an object, its only shape.
 pub(crate) fn target_node(document: &Document, selection: &Path) -> Option<Path> {
@@ -44,79 +55,33 @@ pub(crate) fn moved_by(document: &Document, path: &Path, by: [f64; 3]) -> [f32; 
     outer.to_local(world).translation.to_array().map(|v| round_to(v, 1e-4))
 }
 
-/// Light that the gizmo changes.
+/// Origin of a node in world space, metres.
+pub(crate) fn world_origin(document: &Document, path: &Path) -> DVec3 {
+    parent_transform(document, path).then_local(local_transform(document, path)).translation
+}
+
+/// A change of the scene by the gizmo.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum GizmoChange {
+    /// Sets a property of a node.
+    Property(Path, Cow<'static, str>, Value),
+    /// Moves a control point of a profile.
+    MovePoint(Path, usize, [f32; 2]),
+    /// Adds a control point, which then has this index.
+    AddPoint(Path, usize, [f32; 2]),
+}
+
+/// What the gizmo is shown for.
 #[derive(Clone, Copy)]
-enum LightHandles {
-    /// Point light, which can be moved.
-    Point,
-    /// Spot light, which can be turned, too, and whose cone can be scaled.
-    Spot(SpotCone),
+pub(crate) struct GizmoScene<'s> {
+    pub(crate) document: &'s Document,
+    pub(crate) scene: &'s Scene,
+    pub(crate) camera: &'s Camera,
+    pub(crate) selection: &'s Path,
+    pub(crate) mode: GizmoMode,
+    /// The surface at a point of the window, while things are snapped to surfaces.
+    pub(crate) surface: Option<&'s dyn Fn(Pos2) -> Option<SurfacePoint>>,
 }
-
-/// Cone of a spot light.
-#[derive(Clone, Copy)]
-struct SpotCone {
-    /// Unit vector along the axis.
-    direction: DVec3,
-    /// Distance of the target, metres.
-    distance: f64,
-    /// Full angle, degrees.
-    angle: f64,
-}
-
-impl LightHandles {
-    /// The light of a node, and its transform: a spot shines along -y, and its scale is the angle of its cone. `None` for other
-    /// nodes.
-    fn of(document: &Document, path: &Path) -> Option<(Self, Transform)> {
-        let triple = |key: &str| match present_value(document, path, key) {
-            Some(Value::Triple(value)) => Some(DVec3::from_array(value.map(f64::from))),
-            _ => None,
-        };
-        let at = Transform { translation: triple(LIGHT_AT)?, ..Transform::IDENTITY };
-        match document.item(path)?.kind {
-            ItemKind::Point => Some((Self::Point, at)),
-            ItemKind::Spot => {
-                let axis = triple(LIGHT_TARGET)? - at.translation;
-                let Some(Value::Number(angle)) = present_value(document, path, LIGHT_CONE) else { return None };
-                let direction = axis.try_normalize().unwrap_or(DVec3::NEG_Y);
-                let cone = SpotCone { direction, distance: axis.length().max(1e-6), angle: f64::from(angle) };
-                let rotation = DQuat::from_rotation_arc(DVec3::NEG_Y, direction);
-                Some((Self::Spot(cone), Transform { rotation, scale: cone.angle, ..at }))
-            }
-            _ => None,
-        }
-    }
-
-    /// Mode of the gizmo for this light.
-    fn mode(self, mode: GizmoMode) -> GizmoMode {
-        match self {
-            Self::Point => GizmoMode::Move,
-            Self::Spot(_) => mode,
-        }
-    }
-
-    /// Property value that gives the light its new transform.
-    fn change(self, path: Path, mode: GizmoMode, new: Transform) -> (Path, &'static str, Value) {
-        let triple = |v: DVec3| Value::Triple(v.to_array().map(|v| round_to(v, 1e-3)));
-        match (self, mode) {
-            (Self::Spot(cone), GizmoMode::Rotate) => {
-                let target = new.translation + new.rotation * (DVec3::NEG_Y * cone.distance);
-                (path, LIGHT_TARGET, triple(target))
-            }
-            (Self::Spot(_), GizmoMode::Scale) => {
-                (path, LIGHT_CONE, Value::Number(round_to(new.scale.clamp(0.1, 180.0), 0.1)))
-            }
-            _ => (path, LIGHT_AT, triple(new.translation)),
-        }
-    }
-}
-
-/// Property key of a light's position.
-const LIGHT_AT: &str = "at";
-/// Property key of the point that a spot light shines at.
-const LIGHT_TARGET: &str = "target";
-/// Property key of the angle of a spot light.
-const LIGHT_CONE: &str = "cone";
 
 /// State of the gizmo between frames.
 #[derive(Default)]
@@ -125,6 +90,13 @@ pub(crate) struct GizmoState {
     held: Option<(Path, Drag)>,
     /// Sun that is dragged, and its place relative to the pointer.
     held_sun: Option<(Path, Vec2)>,
+    /// Dot that is dragged.
+    held_dot: Option<DotDrag>,
+    /// Places of the dots that are shown, in the window, for tests.
+    #[cfg(test)]
+    pub(crate) dot_places: Vec<Pos2>,
+    /// Control point under the pointer.
+    pub(crate) hovered_point: Option<(Path, usize)>,
 }
 
 /// The pointer over the viewport.
@@ -140,54 +112,151 @@ pub(crate) struct Pointer {
 }
 
 impl GizmoState {
-    /// Draws the gizmo of the selected node. Returns true if it uses the pointer, and the changed properties.
-    #[allow(clippy::too_many_arguments, reason = "each is another thing, and there is one caller")]
+    /// Node that is dragged onto surfaces by its centre, or whose target is.
+    pub(crate) fn dragged_freely(&self) -> Option<&Path> {
+        let moved = self.held.as_ref().filter(|(_, drag)| drag.handle == Handle::Disc).map(|(path, _)| path);
+        moved.or_else(|| self.held_dot.as_ref().filter(|drag| drag.dot.id == DotId::Target).map(|drag| &drag.path))
+    }
+
+    /// Draws the gizmo of the selected node. Returns true if it uses the pointer, and the changes.
     pub(crate) fn show(
         &mut self,
         ui: &egui::Ui,
         picture: Rect,
-        camera: &Camera,
-        document: &Document,
-        selection: &Path,
-        kind: GizmoMode,
+        of: GizmoScene,
         pointer: Option<Pointer>,
-    ) -> (bool, Vec<(Path, &'static str, Value)>) {
+    ) -> (bool, Vec<GizmoChange>) {
+        let GizmoScene { document, selection, .. } = of;
+        let projection = Projection::new(of.camera, picture);
+        self.hovered_point = None;
+        #[cfg(test)]
+        self.dot_places.clear();
         if let Some(sun) = Sun::of(document, selection) {
-            self.held = None;
-            let map = SkyMap::new(&Projection::new(camera, picture), picture);
-            return self.show_sun(ui, picture, &map, sun, selection, pointer);
+            (self.held, self.held_dot) = (None, None);
+            let map = SkyMap::new(&projection, picture);
+            let (taken, changes) = self.show_sun(ui, picture, &map, sun, selection, pointer);
+            let change = |(path, key, value)| GizmoChange::Property(path, Cow::Borrowed(key), value);
+            return (taken, changes.into_iter().map(change).collect());
         }
         self.held_sun = None;
         let Some(path) = target_node(document, selection) else {
-            self.held = None;
+            (self.held, self.held_dot) = (None, None);
             return (false, Vec::new());
         };
         let light = LightHandles::of(document, &path);
-        let kind = light.map_or(kind, |(light, _)| light.mode(kind));
+        let mode = light.map_or(of.mode, |(light, _)| light.mode(of.mode));
         let outer = parent_transform(document, &path);
         let own = light.map_or_else(|| local_transform(document, &path), |(_, transform)| transform);
         let world = outer.then_local(own);
-        let projection = Projection::new(camera, picture);
-        let (handles, gizmo) = (Handle::of(kind), Gizmo::new(projection, world.translation));
+        let (handles, gizmo) = (Handle::of(mode), Gizmo::new(projection, world.translation));
         let snapping = ui.input(|input| input.modifiers.command);
+        let painter = ui.painter_at(picture);
+        if let Some((LightHandles::Spot(cone), _)) = light {
+            let radii = [cone.outer_radius(), cone.inner_radius()];
+            draw::draw_cone(&painter, &projection, world.translation, cone.direction * cone.distance, radii);
+        }
 
+        let owner = DotOwner::of(of, &projection, &path, light);
+        // A handle that is held keeps the pointer.
+        let free = pointer.filter(|_| self.held.is_none());
+        let dots = self.show_dots(&painter, owner.as_ref(), of, &projection, free, snapping);
+        let (dots_taken, mut changes) = dots;
+        let pointer = pointer.map(|pointer| Pointer { hovered: pointer.hovered && !dots_taken, ..pointer });
         let hovered = self.follow(handles, gizmo.as_ref(), &path, world, pointer);
-        let moved = match (&mut self.held, pointer) {
-            (Some((_, drag)), Some(pointer)) => drag.to(&projection, pointer.position, snapping),
-            _ => None,
-        };
-        let changes = moved.map(|new| match light {
-            Some((light, _)) => light.change(path, kind, new),
-            None => change(path, kind, outer, world, new),
-        });
+        if let (Some((_, drag)), Some(pointer)) = (&mut self.held, pointer)
+            && let Some(mut new) = drag.to(&projection, pointer.position, snapping)
+        {
+            if let (Some(surface), Handle::Disc, None) = (of.surface, drag.handle, light)
+                && let Some(point) = surface(pointer.position)
+            {
+                new.translation = point.touching;
+            }
+            changes.push(match light {
+                Some((light, _)) => {
+                    let (key, value) = light.change(mode, new);
+                    GizmoChange::Property(path, Cow::Borrowed(key), value)
+                }
+                None => change(path, mode, outer, world, new),
+            });
+        }
         let drag = self.held.as_ref().map(|(_, drag)| drag);
-        if let Some((LightHandles::Spot(SpotCone { direction, distance, angle }), _)) = light {
-            draw::draw_cone(&ui.painter_at(picture), &projection, world.translation, direction * distance, angle);
-        }
         if let Some(gizmo) = &gizmo {
-            draw::draw(&ui.painter_at(picture), gizmo, handles, hovered, drag);
+            draw::draw(&painter, gizmo, handles, hovered, drag);
         }
-        (drag.is_some() || hovered.is_some(), changes.into_iter().collect())
+        if let Some(owner) = &owner {
+            let marked = self.held_dot.as_ref().map(|drag| drag.dot.id);
+            let under = self.hovered_point.as_ref().map(|(_, index)| DotId::ControlPoint(*index));
+            dots::draw(&painter, &owner.dots, &projection, marked.or(under));
+            #[cfg(test)]
+            self.dot_places.extend(owner.dots.iter().filter_map(|dot| projection.project(dot.at)));
+        }
+        (drag.is_some() || hovered.is_some() || dots_taken, changes)
+    }
+
+    /// Follows the pointer over the dots of a node, and draws its outline. Returns true if they use the pointer, and the
+    /// changes.
+    fn show_dots(
+        &mut self,
+        painter: &egui::Painter,
+        owner: Option<&DotOwner>,
+        of: GizmoScene,
+        projection: &Projection,
+        pointer: Option<Pointer>,
+        snapping: bool,
+    ) -> (bool, Vec<GizmoChange>) {
+        let (Some(owner), Some(pointer)) = (owner, pointer) else {
+            self.held_dot = None;
+            if let Some(DotOwner { kind: DotKind::Profile(profile), .. }) = owner {
+                profile.draw(painter, projection);
+            }
+            return (false, Vec::new());
+        };
+        let goes_on = |drag: &DotDrag| {
+            pointer.down
+                && drag.path == owner.path
+                && drag.count == owner.dots.len()
+                && owner.dots.iter().any(|dot| dot.id == drag.dot.id)
+        };
+        self.held_dot = self.held_dot.take().filter(goes_on);
+        let at = pointer.pressed_at.unwrap_or(pointer.position);
+        let pressed = pointer.pressed_at.is_some() && pointer.down;
+        let free = pointer.hovered && self.held_dot.is_none();
+        let hovered = dots::pick(&owner.dots, projection, at).filter(|_| free);
+        let begin = |count: usize, dot: Dot| DotDrag::begin(owner.path.clone(), count, dot, projection, at);
+        let mut changes = Vec::new();
+        let mut taken = hovered.is_some();
+        if let (Some(dot), true) = (hovered, pressed) {
+            self.held_dot = begin(owner.dots.len(), dot);
+        }
+        if let Some(DotId::ControlPoint(index)) = hovered.map(|dot| dot.id) {
+            self.hovered_point = Some((owner.path.clone(), index));
+        }
+        if let DotKind::Profile(profile) = &owner.kind {
+            profile.draw(painter, projection);
+            let on_handle = hovered.is_some() || !free;
+            if let Some((index, place, shown)) = profile.on_outline(projection, at).filter(|_| !on_handle) {
+                taken = true;
+                dots::draw_plus(painter, shown);
+                if pressed {
+                    let dot = profile.dot(index, place);
+                    let place = profile.coordinates(dot.at, projection, false);
+                    changes.push(GizmoChange::AddPoint(owner.path.clone(), index, place));
+                    self.held_dot = begin(owner.dots.len() + 1, profile.dot(index, place));
+                    return (true, changes);
+                }
+            }
+        }
+        if let Some(drag) = &mut self.held_dot
+            && let Some(mut to) = drag.to(projection, pointer.position)
+        {
+            if let (Some(surface), DotId::Target) = (of.surface, drag.dot.id)
+                && let Some(point) = surface(pointer.position)
+            {
+                to = point.position;
+            }
+            changes.extend(owner.change(drag.dot.id, to, projection, snapping));
+        }
+        (taken || self.held_dot.is_some(), changes)
     }
 
     /// Draws the handle of a sun, which is dragged on a map of all directions.
@@ -249,22 +318,81 @@ impl GizmoState {
 }
 
 /// Property value that gives a node its new world transform.
-fn change(
-    path: Path,
-    kind: GizmoMode,
-    outer: Transform,
-    world: Transform,
-    new: Transform,
-) -> (Path, &'static str, Value) {
+fn change(path: Path, kind: GizmoMode, outer: Transform, world: Transform, new: Transform) -> GizmoChange {
     let inner = outer.to_local(new);
-    match kind {
+    let (key, value) = match kind {
         GizmoMode::Move => {
             let step = 1e-4 * world.scale.max(1e-3);
             let DVec3 { x, y, z } = inner.translation;
-            let at = Value::Triple([x, y, z].map(|v| round_to(v, step.min(1e-3))));
-            (path, key::AT, at)
+            (key::AT, Value::Triple([x, y, z].map(|v| round_to(v, step.min(1e-3)))))
         }
-        GizmoMode::Rotate => (path, key::ROTATE, Value::Triple(inner.degrees())),
-        GizmoMode::Scale => (path, key::SCALE, Value::Number(round_to(inner.scale, 1e-4).max(1e-4))),
+        GizmoMode::Rotate => (key::ROTATE, Value::Triple(inner.degrees())),
+        GizmoMode::Scale => (key::SCALE, Value::Number(round_to(inner.scale, 1e-4).max(1e-4))),
+    };
+    GizmoChange::Property(path, Cow::Borrowed(key), value)
+}
+
+/// A node with dots.
+struct DotOwner {
+    path: Path,
+    dots: Vec<Dot>,
+    kind: DotKind,
+}
+
+/// Kind of a node with dots.
+enum DotKind {
+    Profile(Profile),
+    Sizes(Sizes),
+    Spot(SpotCone),
+}
+
+impl DotOwner {
+    /// The node with dots for a selected one: a profile while it is moved, a shape while it is scaled, or a spot light.
+    fn of(
+        of: GizmoScene,
+        projection: &Projection,
+        target: &Path,
+        light: Option<(LightHandles, Transform)>,
+    ) -> Option<Self> {
+        if let Some((light, _)) = light {
+            let LightHandles::Spot(cone) = light else { return None };
+            return Some(Self {
+                path: target.clone(),
+                dots: cone.dots(projection).to_vec(),
+                kind: DotKind::Spot(cone),
+            });
+        }
+        match of.mode {
+            GizmoMode::Move => {
+                let profile = Profile::of(of.document, of.selection, projection.position)?;
+                Some(Self { path: profile.path.clone(), dots: profile.dots(), kind: DotKind::Profile(profile) })
+            }
+            GizmoMode::Scale => {
+                let sizes = Sizes::of(of.document, of.scene, target)?;
+                Some(Self { path: target.clone(), dots: sizes.dots(), kind: DotKind::Sizes(sizes) })
+            }
+            GizmoMode::Rotate => None,
+        }
+    }
+
+    /// The change that puts a dot at this point; `None` if it is there already.
+    fn change(&self, id: DotId, at: DVec3, projection: &Projection, snapping: bool) -> Option<GizmoChange> {
+        let path = self.path.clone();
+        match (&self.kind, id) {
+            (DotKind::Profile(profile), DotId::ControlPoint(index)) => {
+                let place = profile.coordinates(at, projection, snapping);
+                let is_new = profile.point(index).is_some_and(|point| point.at != place);
+                is_new.then_some(GizmoChange::MovePoint(path, index, place))
+            }
+            (DotKind::Sizes(sizes), DotId::Size(index)) => {
+                let (key, value) = sizes.change(index, at, snapping)?;
+                Some(GizmoChange::Property(path, key, value))
+            }
+            (DotKind::Spot(cone), id) => {
+                let (key, value) = cone.change(id, at, projection, snapping);
+                Some(GizmoChange::Property(path, Cow::Borrowed(key), value))
+            }
+            _ => None,
+        }
     }
 }

@@ -163,7 +163,7 @@ impl SkyMap {
         if strong {
             let (elevation, azimuth) = angles(direction);
             let azimuth = azimuth.to_degrees().rem_euclid(360.0);
-            let words = format!("{:.0}° high, azimuth {azimuth:.0}°", elevation.to_degrees());
+            let words = format!("elevation {:.0}°, azimuth {azimuth:.0}°", elevation.to_degrees());
             let below = self.middle + Vec2::new(0.0, 2.0 * self.radius + 4.0);
             painter.text(below, Align2::CENTER_TOP, words, FontId::proportional(13.0), Color32::WHITE);
         }

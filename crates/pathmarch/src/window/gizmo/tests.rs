@@ -343,10 +343,7 @@ fn a_spot_light_is_moved_turned_and_its_cone_scaled() {
     let path = document.outline().iter().find(|item| item.kind == ItemKind::Spot).expect("a spot").path.clone();
     assert_eq!(target_node(&document, &path).as_ref(), Some(&path));
     let (light, start) = LightHandles::of(&document, &path).expect("a light");
-    let change = |mode: GizmoMode, new: Transform| {
-        let (_, key, value) = light.change(path.clone(), light.mode(mode), new);
-        (key, value)
-    };
+    let change = |mode: GizmoMode, new: Transform| light.change(light.mode(mode), new);
     let moved = Transform { translation: start.translation + DVec3::X, ..start };
     assert_eq!(change(GizmoMode::Move, moved), ("at", Value::Triple([1.0, 2.0, 0.0])));
     // A quarter turn about z takes its direction from -y to +x.
@@ -356,4 +353,143 @@ fn a_spot_light_is_moved_turned_and_its_cone_scaled() {
         let scaled = Transform { scale: start.scale * factor, ..start };
         assert_eq!(change(GizmoMode::Scale, scaled), ("cone", Value::Number(cone)));
     }
+}
+
+/// Dot of this meaning in a view from a corner, and where it is in the window.
+fn dot_of(dots: &[Dot], id: DotId) -> (Dot, Pos2) {
+    let dot = dots.iter().find(|dot| dot.id == id).unwrap_or_else(|| panic!("no {id:?}"));
+    let at = from_corner().project(dot.at).expect("before the camera");
+    assert_eq!(dots::pick(dots, &from_corner(), at).map(|dot| dot.id), Some(id));
+    (*dot, at)
+}
+
+/// The place of a dot that is dragged by so many points.
+fn dot_dragged(dot: Dot, at: Pos2, by: Vec2) -> DVec3 {
+    let mut drag = DotDrag::begin(Path::top(0), 1, dot, &from_corner(), at).expect("caught");
+    assert_eq!(drag.to(&from_corner(), at), None, "a press is no change");
+    drag.to(&from_corner(), at + by).expect("a place")
+}
+
+fn scene_with(text: &str) -> Document {
+    let document = Document::new("a.kdl", format!("pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0 }}\n{text}"));
+    assert!(document.scene().is_ok(), "{text}");
+    document
+}
+
+#[test]
+fn points_of_a_turned_profile_are_on_its_silhouette() {
+    let text = "object \"a\" { revolve 0.1 { curve 0.02 { point 0.4 0; point 0.2 0.3; point 0.5 0.6; at 0.1 0.2 0; scale 2 }; at 0 1 0 } }";
+    let document = scene_with(text);
+    let view = from_corner();
+    let profile = Profile::of(&document, &Path::top(2), view.position).expect("a profile");
+    let dots = profile.dots();
+    assert_eq!(dots.len(), 3);
+    let (dot, at) = dot_of(&dots, DotId::ControlPoint(1));
+    // 0.1 m of the modifier, 0.1 m and twice 0.2 m of the curve.
+    assert!((dot.at.x.hypot(dot.at.z) - 0.6).abs() < 1e-6 && (dot.at.y - 1.8).abs() < 1e-6, "{dot:?}");
+    assert!(dot.at.dot(view.right) > 0.5 && dot.at.dot(view.position.with_y(0.0)).abs() < 1e-6, "{dot:?}");
+    assert_eq!(profile.coordinates(dot.at, &view, false), [0.2, 0.3]);
+    // A drag by its projection to the point (0.3, 0.35).
+    let goal = profile.dot(1, [0.3, 0.35]).at;
+    let moved = dot_dragged(dot, at, view.project(goal).expect("seen") - at);
+    assert_eq!(profile.coordinates(moved, &view, false), [0.3, 0.35]);
+    let [x, y] = profile.coordinates(moved, &view, true);
+    assert!([x, y].iter().all(|v| (v * 10.0 - (v * 10.0).round()).abs() < 1e-5), "{x} {y}");
+    // Beyond the axis is nothing.
+    let left = dot_dragged(dot, at, Vec2::new(-400.0, 0.0));
+    assert_eq!(profile.coordinates(left, &view, false)[0], -0.1);
+}
+
+#[test]
+fn a_point_is_added_where_the_outline_is_pressed() {
+    let text = "object \"a\" { extrude 0.5 { polygon { point 0 0; point 1 0; point 1 1 } } }";
+    let document = scene_with(text);
+    let view = from_corner();
+    let profile = Profile::of(&document, &Path::top(2), view.position).expect("a profile");
+    // On the end that faces the camera.
+    assert!(profile.dots().iter().all(|dot| (dot.at.z - 0.25).abs() < 1e-9));
+    for (index, middle) in [(1, [0.5, 0.0]), (2, [1.0, 0.5]), (3, [0.5, 0.5])] {
+        let at = view.project(profile.dot(0, middle).at).expect("seen");
+        let (found, place, shown) = profile.on_outline(&view, at + Vec2::new(1.0, -1.0)).expect("on the outline");
+        assert_eq!(found, index);
+        assert!((place[0] - middle[0]).abs() < 0.01 && (place[1] - middle[1]).abs() < 0.01, "{place:?}");
+        assert!(shown.distance(at) < 2.0);
+        assert!(profile.on_outline(&view, at + Vec2::new(40.0, -300.0)).is_none());
+    }
+    assert!(Profile::of(&scene_with("object \"a\" { sphere }"), &Path::top(2), view.position).is_none());
+}
+
+#[test]
+fn an_open_line_has_no_piece_from_its_end_to_its_start() {
+    let view = from_corner();
+    for (width, pieces) in [("0.1", 3), ("0", 4)] {
+        let text = format!(
+            "object \"a\" {{ extrude {{ curve {width} {{ point 0 0; point 1 0; point 1 0; point 1 1; point 0 1 }} }} }}"
+        );
+        let profile = Profile::of(&scene_with(&text), &Path::top(2), view.position).expect("a profile");
+        assert_eq!(profile.dots().len(), 5);
+        let outline: Vec<_> = [[1.0, 0.5], [0.0, 0.5]]
+            .map(|at| view.project(profile.dot(0, at).at).expect("seen"))
+            .map(|at| (0..60).find_map(|k| profile.on_outline(&view, at + Vec2::new(k as f32 - 30.0, 0.0))))
+            .to_vec();
+        // The repeated point counts.
+        assert_eq!(outline[0].map(|(index, ..)| index), Some(3));
+        assert_eq!(outline[1].is_some(), pieces == 4, "width {width}");
+    }
+}
+
+#[test]
+fn sizes_of_shapes_follow_their_dots() {
+    for (shape, sizes) in [
+        ("sphere 0.5", &[("radius", 1.0)][..]),
+        ("box 1 0.6 0.8", &[("x", 2.0), ("y", 2.0), ("z", 2.0)]),
+        ("disc 0.4 { normal 1 2 3 }", &[("radius", 1.0)]),
+        ("cylinder 0.3 1", &[("radius", 1.0), ("height", 2.0)]),
+        ("torus 0.5 0.1", &[("major", 1.0), ("minor", 1.0)]),
+    ] {
+        let document = scene_with(&format!("object \"a\" {{ {shape} }}"));
+        let scene = document.scene().expect("a scene");
+        let path = document.path_of_leaf(0).expect("a shape");
+        let found = Sizes::of(&document, scene, &path).unwrap_or_else(|| panic!("sizes of {shape}"));
+        let dots = found.dots();
+        assert_eq!(dots.len(), sizes.len(), "{shape}");
+        for (index, (name, rate)) in sizes.iter().enumerate() {
+            let dot = dots[index];
+            let dots::Way::Line(axis) = dot.way else { panic!("a line") };
+            let Some(Value::Number(before)) = transform::present_value(&document, &path, name) else {
+                panic!("{name}")
+            };
+            let (key, value) = found.change(index, dot.at + axis * 0.1, false).expect("a change");
+            let Value::Number(value) = value else { panic!("a number") };
+            assert_eq!(key, *name);
+            assert!((f64::from(value - before) - 0.1 * rate).abs() < 2e-3, "{shape} {name}: {before} {value}");
+            // Never to nothing.
+            let (_, least) = found.change(index, dot.at - axis * 9.0, false).expect("a change");
+            assert!(matches!(least, Value::Number(least) if (0.0..0.01).contains(&least)), "{least:?}");
+        }
+    }
+    let document = scene_with("object \"a\" { plane }");
+    let path = document.path_of_leaf(0).expect("a shape");
+    assert!(Sizes::of(&document, document.scene().expect("a scene"), &path).is_none(), "a plane has no end");
+}
+
+#[test]
+fn target_cone_and_soft_edge_of_a_spot_light_follow_their_dots() {
+    let document = scene_with("spot { at 0 2 0; target 0 0 0; intensity 1; cone 40; blend 0.5 }");
+    let path = document.outline().iter().find(|item| item.kind == ItemKind::Spot).expect("a spot").path.clone();
+    let Some((LightHandles::Spot(cone), _)) = LightHandles::of(&document, &path) else { panic!("a spot") };
+    let view = from_corner();
+    let dots = cone.dots(&view);
+    // Where the dots are, they change nothing.
+    let value = |id: DotId, by: DVec3| cone.change(id, dot_of(&dots, id).0.at + by, &view, false);
+    assert_eq!(value(DotId::Target, DVec3::ZERO), ("target", Value::Triple([0.0; 3])));
+    assert_eq!(value(DotId::Cone, DVec3::ZERO), ("cone", Value::Number(40.0)));
+    assert_eq!(value(DotId::Blend, DVec3::ZERO), ("blend", Value::Number(0.5)));
+    assert_eq!(value(DotId::Target, DVec3::new(0.5, 0.0, -0.25)), ("target", Value::Triple([0.5, 0.0, -0.25])));
+    // Half the angle has the tangent of the radius, 2 m away.
+    let dots::Way::Line(across) = dots[1].way else { panic!("a line") };
+    let (_, wider) = value(DotId::Cone, across * (2.0 - 2.0 * 20_f64.to_radians().tan()));
+    assert_eq!(wider, Value::Number(90.0));
+    assert_eq!(value(DotId::Blend, across * 9.0), ("blend", Value::Number(1.0)));
+    assert_eq!(value(DotId::Blend, across * -9.0), ("blend", Value::Number(0.0)));
 }

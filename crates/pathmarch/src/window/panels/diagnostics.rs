@@ -44,11 +44,13 @@ impl App {
             lines.push((0, error.to_string(), None));
         }
         let mut go_to = None;
-        overlay(ui, viewport, 44.0 + 44.0 * lines.len() as f32, |ui| {
+        overlay(ui, viewport, 44.0 + 62.0 * lines.len() as f32, |ui| {
             let title = if lines.len() == 1 { "1 error".to_owned() } else { format!("{} errors", lines.len()) };
             ui.horizontal_wrapped(|ui| {
                 ui.colored_label(ui.visuals().error_fg_color, RichText::new(title).strong());
-                ui.weak("The picture shows the last version without errors.");
+                if open.document.last_good().is_some() {
+                    ui.weak("The picture shows the last version without errors.");
+                }
             });
             egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                 for (offset, message, help) in &lines {
@@ -62,10 +64,11 @@ impl App {
                             go_to = Some(*offset);
                         }
                         ui.label(message);
-                        if let Some(help) = help {
-                            ui.weak(help);
-                        }
                     });
+                    if let Some(help) = help {
+                        // Help that lists all words leaves room for other mistakes; its tooltip has the rest.
+                        ui.add(egui::Label::new(RichText::new(help).weak()).truncate());
+                    }
                     let shown = line_at(text, *offset);
                     ui.indent(("excerpt", offset), |ui| {
                         ui.monospace(RichText::new(shown).color(ui.visuals().warn_fg_color));

@@ -8,7 +8,7 @@ impl App {
     pub(crate) fn help_window(&mut self, ctx: &Context) {
         let mut is_open = self.help;
         let room = ctx.content_rect();
-        let window = egui::Window::new("Keyboard and mouse").open(&mut is_open).collapsible(false).vscroll(true);
+        let window = egui::Window::new("Keyboard and mouse").open(&mut is_open).collapsible(false).scroll(true);
         let window = window.default_width(660.0).default_height((room.height() - 120.0).max(200.0));
         window.default_pos(room.center() - egui::vec2(340.0, 0.5 * room.height() - 40.0)).show(ctx, |ui| {
             egui::Grid::new("pointer").num_columns(2).striped(true).spacing([18.0, 4.0]).show(ui, |ui| {

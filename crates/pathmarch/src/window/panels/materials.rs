@@ -1,5 +1,6 @@
 //! Palette of materials: those of the scene and presets, to be dragged onto shapes.
 
+use super::inspector::LEAST_WINDOW;
 use crate::window::app::App;
 use crate::window::material_balls::Shown;
 use egui::{Align2, Color32, Context, FontId, Rect, Response, Sense, Stroke, Ui, Vec2};
@@ -28,8 +29,11 @@ impl App {
         let screen = ctx.content_rect();
         let window = egui::Window::new("Materials").open(&mut is_open).default_width(4.0 * (BALL + 12.0)).vscroll(true);
         let window = window.default_height((screen.height() - 160.0).clamp(120.0, 420.0));
-        window.default_pos(screen.right_top() + Vec2::new(-302.0, 34.0)).show(ctx, |ui| {
-            ui.weak("Drag one onto a shape, or click it for the selection.");
+        // In a narrow window, where properties float, it leaves their title free.
+        let is_narrow = screen.width() < LEAST_WINDOW;
+        let place = if is_narrow { screen.left_top() } else { screen.right_top() - Vec2::new(308.0, 0.0) };
+        window.default_pos(place + Vec2::new(6.0, 34.0)).show(ctx, |ui| {
+            ui.weak("Drag a material onto a shape, or click it to give it to the selection.");
             let names: Vec<String> = self
                 .open
                 .iter()
@@ -94,7 +98,7 @@ impl App {
     /// Draws the ball of a material of the scene, beside its controls.
     pub(crate) fn ball_of(&mut self, ui: &mut Ui, name: &str) {
         let (rect, response) = ui.allocate_exact_size(Vec2::splat(LARGE_BALL), Sense::hover());
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Ball of {name}")));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Preview of {name}")));
         self.draw_ball(ui, rect, &DraggedMaterial::Scene(name.to_owned()));
     }
 

@@ -60,7 +60,8 @@ impl App {
             }
             _ => {}
         }
-        let mut button = egui::Button::new(name);
+        let is_on = entry.action == Action::SnapToSurfaces && self.snap_to_surfaces;
+        let mut button = egui::Button::new(name).selected(is_on);
         if let Some(shortcut) = &entry.shortcut {
             button = button.shortcut_text(ui.ctx().format_shortcut(shortcut));
         }

@@ -1,10 +1,11 @@
 //! Viewport: the live picture, with mouse and keyboard controls.
 
 use crate::window::app::App;
-use crate::window::gizmo::Pointer;
+use crate::window::gizmo::{GizmoChange, GizmoScene, Pointer, world_origin};
 use crate::window::open_scene::OpenScene;
 use crate::window::open_scene::view_state::ComparisonPicture;
 use crate::window::projection::Projection;
+use crate::window::surface_snap::{SurfacePoint, extent_below};
 use egui::{Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 use glam::DVec3;
 use pathmarch_render::pathmarch_scene::Scene;
@@ -113,13 +114,80 @@ impl App {
                 down: input.pointer.primary_down(),
             })
         });
-        let (camera, kind) = (open.view.camera.clone(), open.view.gizmo_mode);
-        let (taken, changes) = self.gizmo.show(ui, picture, &camera, &open.document, &selection, kind, pointer);
+        let Some(scene) = open.document.last_good().cloned() else { return false };
+        self.keep_surroundings();
+        let Some(open) = &self.open else { return false };
+        let surroundings = self.surroundings.as_ref().and_then(|(path, scene)| Some((path, scene.as_ref()?)));
+        let surface = |at: Pos2| {
+            let (path, around) = surroundings?;
+            surface_at(open, &scene, around, path, picture, at)
+        };
+        let of = GizmoScene {
+            document: &open.document,
+            scene: &scene,
+            camera: &open.view.camera,
+            selection: &selection,
+            mode: open.view.gizmo_mode,
+            surface: surroundings.is_some().then_some(&surface),
+        };
+        let (taken, changes) = self.gizmo.show(ui, picture, of, pointer);
         let undo_group = self.undo_group;
-        for (path, key, value) in changes {
-            self.edit(|open| open.document.set(&path, key, value, Some(undo_group)));
+        for change in changes {
+            self.edit(|open| {
+                let document = &mut open.document;
+                match change {
+                    GizmoChange::Property(path, key, value) => document.set(&path, &key, value, Some(undo_group)),
+                    GizmoChange::MovePoint(path, point, at) => document.move_point(&path, point, at, Some(undo_group)),
+                    GizmoChange::AddPoint(path, point, at) => document.add_point(&path, point, at, Some(undo_group)),
+                }
+            });
         }
+        self.point_menu(response);
         taken
+    }
+
+    /// Reads the scene without the node that is dragged onto surfaces, once a drag.
+    fn keep_surroundings(&mut self) {
+        let dragged = self.gizmo.dragged_freely().filter(|_| self.snap_to_surfaces);
+        let Some((dragged, open)) = dragged.zip(self.open.as_mut()) else {
+            self.surroundings = None;
+            return;
+        };
+        if self.surroundings.as_ref().is_none_or(|(path, _)| path != dragged) {
+            self.surroundings = Some((dragged.clone(), open.document.scene_without(dragged)));
+        }
+    }
+
+    /// Context menu of the control point that was clicked.
+    fn point_menu(&mut self, response: &Response) {
+        if response.secondary_clicked() {
+            self.clicked_point = self.gizmo.hovered_point.clone();
+        }
+        let (Some((path, point)), Some(open)) = (self.clicked_point.clone(), &self.open) else { return };
+        let Some(control) = open.document.control_points(&path).get(point).copied() else { return };
+        let is_curve = open.document.item(&path).is_some_and(|item| item.word == "curve");
+        let (mut removes, mut corner) = (false, None);
+        let menu = egui::Popup::context_menu(response);
+        menu.show(|ui| {
+            if is_curve {
+                let mut is_corner = control.is_corner;
+                if ui.checkbox(&mut is_corner, "Corner").changed() {
+                    corner = Some(is_corner);
+                    ui.close();
+                }
+            }
+            removes = ui.button("Remove point").clicked();
+            if removes {
+                ui.close();
+            }
+        });
+        if let Some(is_corner) = corner {
+            self.edit(|open| open.document.set_corner(&path, point, is_corner));
+        }
+        if removes {
+            self.edit(|open| open.document.remove_point(&path, point));
+            self.clicked_point = None;
+        }
     }
 
     /// Applies drags, clicks and the wheel to camera and selection.
@@ -325,6 +393,22 @@ fn pick_at(open: &OpenScene, scene: &Scene, picture: Rect, at: Pos2) -> Option<P
     let inside = (0.0..1.0).contains(&place.x) && (0.0..1.0).contains(&place.y);
     let [width, height] = settings.size.map(|side| side as f32);
     if inside { pick(scene, &settings, [place.x * width, place.y * height]) } else { None }
+}
+
+/// The surface under a point of the window in the scene without a node, and where the node touches it.
+fn surface_at(
+    open: &OpenScene,
+    scene: &Scene,
+    around: &Scene,
+    node: &NodePath,
+    picture: Rect,
+    at: Pos2,
+) -> Option<SurfacePoint> {
+    let picked = pick_at(open, around, picture, at)?;
+    let [position, normal] = [picked.position, picked.normal].map(|v| DVec3::from_array(v.map(f64::from)));
+    let origin = world_origin(&open.document, node);
+    let below = extent_below(&open.document, &scene.field, node, origin, normal).unwrap_or(0.0);
+    Some(SurfacePoint { position, touching: position + normal * below })
 }
 
 /// Draws the stored picture left of the comparison line. Returns true if the pointer drags the line.

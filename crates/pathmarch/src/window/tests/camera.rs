@@ -188,7 +188,7 @@ fn a_double_click_aims_the_camera_and_f_frames_the_selection() {
     assert!(target(&person).distance(glam::Vec3::new(0.0, 0.7, 0.0)) < 1e-3);
     person.select("plane");
     person.key(Key::F);
-    person.assert_said("no finite bounds");
+    person.assert_said("no finite size");
 }
 
 #[test]

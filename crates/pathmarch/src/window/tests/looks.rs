@@ -8,7 +8,7 @@ use super::*;
 use egui_kittest::SnapshotOptions;
 
 /// A scene with few samples.
-const STILL: &str = r#"pathmarch 1
+pub(super) const STILL: &str = r#"pathmarch 1
 camera "main" { position 3.1 2.6 4.5; target 0.05 0.5 0; fov 27 }
 render { size 320 200; samples 16; bounces 3 }
 sky 0.22 0.3 0.45
@@ -21,7 +21,7 @@ object "floor" material="slate" { plane }
 "#;
 
 impl Start {
-    fn drawn(self, dark: bool) -> Self {
+    pub(super) fn drawn(self, dark: bool) -> Self {
         let home = self.directory.path().join("home");
         std::fs::create_dir_all(&home).expect("made");
         std::fs::write(home.join("preferences.json"), format!("{{\"dark\": {dark}}}")).expect("written");

@@ -34,7 +34,7 @@ const TYPED: [&str; 16] =
 const IDLE: [Role; 3] = [Role::Label, Role::GenericContainer, Role::Image];
 const MODIFIERS: [Modifiers; 5] =
     [Modifiers::NONE, Modifiers::NONE, Modifiers::SHIFT, Modifiers::ALT, Modifiers::COMMAND];
-const KEYS: [Key; 22] = [
+const KEYS: [Key; 23] = [
     Key::Tab,
     Key::Tab,
     Key::Enter,
@@ -55,6 +55,7 @@ const KEYS: [Key; 22] = [
     Key::Num1,
     Key::Num2,
     Key::Num3,
+    Key::T,
     Key::PageDown,
     Key::Minus,
 ];
@@ -66,7 +67,7 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
     let modifiers = MODIFIERS[random.below(MODIFIERS.len())];
     let button = [PointerButton::Primary, PointerButton::Primary, PointerButton::Secondary, PointerButton::Middle]
         [random.below(4)];
-    match random.below(20) {
+    match random.below(21) {
         0..4 => {
             person.harness.hover_at(at);
             person.button(at, button, true, modifiers);
@@ -117,7 +118,14 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
             let item = items[random.below(items.len())].path.clone();
             person.app_mut().select(Some(item));
         }
-        17 => person.harness.event(egui::Event::Text(TYPED[random.below(TYPED.len())].to_owned())),
+        17 => {
+            let text = person.harness.query_all_by_role_and_label(Role::MultilineTextInput, "Scene text").next();
+            if let (Some(text), 0) = (text, random.below(3)) {
+                text.focus();
+                person.harness.step();
+            }
+            person.harness.event(egui::Event::Text(TYPED[random.below(TYPED.len())].to_owned()));
+        }
         18 => person.harness.event(egui::Event::MouseWheel {
             unit: egui::MouseWheelUnit::Line,
             delta: Vec2::new(0.0, 8.0 * (random.unit() - 0.5)),
@@ -125,6 +133,16 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
             source: egui::MouseWheelSource::Wheel,
             modifiers,
         }),
+        // Drags a handle: dots are small.
+        19 => {
+            let handles = person.app().gizmo.dot_places.clone();
+            if handles.is_empty() {
+                return;
+            }
+            let from = handles[random.below(handles.len())];
+            let to = from.lerp(to, 0.3 * random.unit());
+            person.drag(from, to, button, modifiers);
+        }
         _ => {
             let side = |random: &mut Random| (1100.0 * random.unit() * random.unit()).floor();
             let sides = [side(random), side(random)];
@@ -152,7 +170,7 @@ fn hold(person: &mut Person, file: &Path) {
     }
 }
 
-/// Lights with handles, an animated camera, textures with ramps, and hidden objects.
+/// Lights and profiles with handles, an animated camera, textures with ramps, and hidden objects.
 const LIT_SCENE: &str = r#"pathmarch 1
 camera "main" { position 0 1.2 4.5; target 0 0.6 0; exposure "auto" }
 render { size 48 32; samples 2; bounces 2 }
@@ -164,6 +182,8 @@ material "marble" { principled { marble scale=4 { colour 0.1; colour 0.9 0.8 0.7
 material "lamp" { emit 6 }
 object "ball" material="marble" { sphere 0.6 { at 0 0.6 "0.2*sin(t)" } }
 object "bulb" material="lamp" { sphere 0.1 { at 1 1.4 0 } }
+object "cup" material="marble" { revolve { curve 0.05 { point 0.3 0; point 0.1 0.2; point 0.35 0.5; at 0 0.3 0 } } }
+object "sign" { extrude 0.1 { polygon { point -0.4 0; point 0.4 0; point 0 0.5; at -1 0.2 0 } } }
 object "gone" hidden=#true { box 0.3 }
 object "floor" { plane }
 "#;

@@ -89,7 +89,7 @@ fn frames_are_rendered_to_files_of_their_own() {
     assert!(person.has("Stop and keep") && !pattern.exists());
     person.click("Stop and keep");
     person.until("it has stopped", |person| person.app().renders.is_empty());
-    person.assert_said("stopped; wrote");
+    person.assert_said("Stopped; wrote");
     assert!(!person.file().with_file_name("scene-0119.png").exists());
 }
 

@@ -96,7 +96,7 @@ fn a_final_render_is_that_of_the_renderer() {
     person.fill(Role::TextInput, "file", &output.display().to_string());
     person.click("Start");
     assert!(person.app().dialog.is_none());
-    person.until("it is written", |person| person.messages().iter().any(|message| message.contains("wrote")));
+    person.until("it is written", |person| person.messages().iter().any(|message| message.contains("Wrote")));
     let settings = Settings::of(person.scene());
     let film = Renderer::open(Backend::Cpu, None).expect("a CPU").render(person.scene(), &settings).expect("rendered");
     let written = pathmarch_render::image::load(&output).expect("read");
@@ -130,7 +130,7 @@ fn the_displayed_picture_is_saved() {
     person.rest();
     person.ctrl(Key::E);
     person.fill(Role::TextInput, "Name", "shown.exr");
-    person.assert_said("wrote");
+    person.assert_said("Wrote");
     let written = pathmarch_render::image::load(&person.file().with_file_name("shown.exr")).expect("read");
     let settings = Settings::of(person.scene());
     let film = Renderer::open(Backend::Cpu, None).expect("a CPU").render(person.scene(), &settings).expect("rendered");

@@ -3,16 +3,22 @@
 
 mod camera;
 mod picture;
+mod ramp;
 mod widgets;
 
 use crate::window::app::App;
 use egui::Ui;
-use pathmarch_render::pathmarch_scene::document::{Control, ControlKind, Item, ItemKind, PRESETS, Path, Value, key};
+use pathmarch_render::pathmarch_scene::document::{
+    Control, ControlKind, Item, ItemKind, PRESETS, Path, Ramp, Value, key,
+};
 use pathmarch_render::pathmarch_scene::settings;
+use ramp::RampChange;
 use widgets::{Change, row};
 
 /// Smallest window width with room for inspector and picture, points.
-const LEAST_WINDOW: f32 = 640.0;
+pub(super) const LEAST_WINDOW: f32 = 640.0;
+/// Colours that a ramp starts with.
+const DEFAULT_COLOURS: [[f32; 3]; 2] = [[0.02; 3], [0.9; 3]];
 /// Space that a row needs beside its slider, points.
 const LABEL_AND_NUMBER: f32 = 225.0;
 
@@ -146,7 +152,9 @@ impl App {
         let mut copied = false;
         ui.horizontal_wrapped(|ui| {
             ui.weak(format!("Used {uses} times."));
-            let button = ui.small_button("Make a copy").on_hover_text("Give this one a copy, to change it alone.");
+            let button = ui
+                .small_button("Make a copy")
+                .on_hover_text("Give this one its own copy; the others keep the material.");
             copied = button.clicked();
         });
         if copied {
@@ -176,18 +184,38 @@ impl App {
         let animated = open.document.last_good().is_some_and(|scene| scene.animated);
         let (unset, controls): (Vec<Control>, Vec<Control>) =
             open.document.controls(path).into_iter().partition(|control| is_unset(control, animated));
-        let mut change = None;
+        let ramps = open.document.ramps(path);
+        let (mut change, mut ramp_change) = (None, None);
         egui::Grid::new(("controls", path)).num_columns(2).spacing([8.0, 5.0]).striped(true).show(ui, |ui| {
             for control in &controls {
+                let first_of = |ramp: &&Ramp| control.key.strip_prefix(&*ramp.name) == Some(".colour.1");
+                if let Some(ramp) = ramps.iter().find(first_of) {
+                    let label = ui.label(format!("{} ramp", ramp.name));
+                    if let Some(changed) = ramp::bar(ui, path, ramp, &label) {
+                        ramp_change = Some((ramp, changed));
+                    }
+                    ui.end_row();
+                }
                 if let Some(changed) = row(ui, path, control) {
                     change = Some((&*control.key, changed));
                 }
                 ui.end_row();
             }
         });
-        if !unset.is_empty() {
+        let empty: Vec<&Ramp> = ramps.iter().filter(|ramp| ramp.colours.is_empty()).collect();
+        let mut started = None;
+        if !(unset.is_empty() && empty.is_empty()) {
             ui.horizontal_wrapped(|ui| {
                 ui.weak("Add:");
+                for ramp in &empty {
+                    let button = ui.small_button(match &*ramp.name {
+                        "colour" => "colours".to_owned(),
+                        name => format!("{name} colours"),
+                    });
+                    if button.on_hover_text("Add a ramp of colours, from the value 0 to the value 1.").clicked() {
+                        started = Some(*ramp);
+                    }
+                }
                 for control in &unset {
                     if ui.small_button(&*control.label).on_hover_text(&*control.doc).clicked() {
                         change = Some((&*control.key, Change::Set(control.initial.clone())));
@@ -196,6 +224,18 @@ impl App {
             });
         }
         let undo_group = self.undo_group;
+        if let Some(ramp) = started {
+            self.edit(|open| open.document.add_colours(path, ramp, 0, &DEFAULT_COLOURS, None));
+        }
+        if let Some((ramp, change)) = ramp_change {
+            self.edit(|open| match change {
+                RampChange::Add(index, colour) => {
+                    open.document.add_colours(path, ramp, index, &[colour], Some(undo_group))
+                }
+                RampChange::Remove(index) => open.document.remove_colour(path, ramp, index),
+                RampChange::Move(from, to) => open.document.move_colour(path, ramp, from, to, Some(undo_group)),
+            });
+        }
         match change {
             Some((key::NAME, Change::Set(Value::Text(name)))) => {
                 self.edit(|open| open.document.rename(path, &name));
