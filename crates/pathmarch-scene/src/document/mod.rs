@@ -324,34 +324,63 @@ impl Document {
     pub fn ramps(&self, path: &Path) -> Vec<Ramp> {
         ramp::ramps(&self.parameters(path))
     }
-    /// Adds colours to a ramp of a material, of which the first then has this index. `undo_group` is that of [`Self::set`].
-    pub fn add_colours(
-        &mut self,
-        path: &Path,
-        ramp: &Ramp,
-        index: usize,
-        colours: &[[f32; 3]],
-        undo_group: Option<u64>,
-    ) -> Result<(), EditError> {
-        let label = format!("Add colour to {}", ramp.name);
-        self.edit(&label, undo_group, |transaction| ramp::add(transaction, path, ramp.owner, index, colours))
+    /// Gives a ramp of a material its first colours, evenly spaced.
+    pub fn start_ramp(&mut self, path: &Path, ramp: &Ramp, colours: &[[f32; 3]]) -> Result<(), EditError> {
+        let label = format!("Add colours to {}", ramp.name);
+        let colours: Vec<_> = colours.iter().map(|colour| (*colour, None)).collect();
+        self.edit(&label, None, |transaction| ramp::add(transaction, path, ramp.owner, 0, &colours))
     }
     /// Removes a colour of a ramp.
     pub fn remove_colour(&mut self, path: &Path, ramp: &Ramp, index: usize) -> Result<(), EditError> {
         let label = format!("Remove colour {} of {}", index + 1, ramp.name);
         self.edit(&label, None, |transaction| ramp::remove(transaction, path, ramp.owner, index))
     }
-    /// Moves a colour of a ramp to another index. `undo_group` is that of [`Self::set`].
-    pub fn move_colour(
+    /// Moves a colour of a ramp to another value, from 0 to 1, but not past its neighbours. Colours between others whose
+    /// positions the text does not give stay where they are. `undo_group` is that of [`Self::set`].
+    pub fn place_colour(
         &mut self,
         path: &Path,
         ramp: &Ramp,
-        from: usize,
-        to: usize,
-        undo_group: Option<u64>,
+        index: usize,
+        position: f32,
+        undo_group: u64,
     ) -> Result<(), EditError> {
-        let label = format!("Move colour {} of {}", from + 1, ramp.name);
-        self.edit(&label, undo_group, |transaction| ramp::move_to(transaction, path, ramp.owner, from, to))
+        let neighbour = |index: Option<usize>| index.and_then(|index| ramp.positions.get(index)).copied();
+        let lowest = neighbour(index.checked_sub(1)).unwrap_or(0.0);
+        let position = position.clamp(lowest, neighbour(Some(index + 1)).unwrap_or(1.0).max(lowest));
+        self.pin_colours(path, ramp, undo_group)?;
+        self.set(path, &ramp.position_key(index), Value::Number(position), Some(undo_group))
+    }
+    /// Adds a colour to a ramp at a value, from 0 to 1. Colours between others stay where they are.
+    pub fn add_colour_at(
+        &mut self,
+        path: &Path,
+        ramp: &Ramp,
+        colour: [f32; 3],
+        position: f32,
+        undo_group: u64,
+    ) -> Result<(), EditError> {
+        self.pin_colours(path, ramp, undo_group)?;
+        let index = ramp.positions.iter().take_while(|before| **before <= position).count();
+        // An end without a position would no longer be one.
+        if index == 0 || index == ramp.positions.len() {
+            let end = index.saturating_sub(1);
+            if let (Some(None), Some(at)) = (ramp.given.get(end), ramp.positions.get(end)) {
+                self.set(path, &ramp.position_key(end), Value::Number(*at), Some(undo_group))?;
+            }
+        }
+        let label = format!("Add colour to {}", ramp.name);
+        let colours = [(colour, Some(position))];
+        self.edit(&label, Some(undo_group), |transaction| ramp::add(transaction, path, ramp.owner, index, &colours))
+    }
+    /// Gives all colours between the ends of a ramp their positions.
+    fn pin_colours(&mut self, path: &Path, ramp: &Ramp, undo_group: u64) -> Result<(), EditError> {
+        let last = ramp.given.len().saturating_sub(1);
+        for index in (1..last).filter(|index| ramp.given[*index].is_none()) {
+            let position = (ramp.positions[index] * 1e3).round() / 1e3;
+            self.set(path, &ramp.position_key(index), Value::Number(position), Some(undo_group))?;
+        }
+        Ok(())
     }
     /// The scene without a node, and without what is empty then; `None` if that is no scene.
     pub fn scene_without(&mut self, path: &Path) -> Option<Arc<Scene>> {

@@ -18,6 +18,36 @@ impl Ramp {
         Self { colours, positions: None }
     }
 
+    /// All positions of a ramp: the first is 0 and the last is 1 unless given, and those between two given ones are evenly
+    /// spaced. One that falls takes the place of the last one before it.
+    pub fn spaced(given: &[Option<f32>]) -> Vec<f32> {
+        let last = given.len().saturating_sub(1);
+        let mut highest = f32::MIN;
+        let rising: Vec<Option<f32>> = given
+            .iter()
+            .map(|position| {
+                highest = position.map_or(highest, |position| position.max(highest));
+                position.map(|_| highest)
+            })
+            .collect();
+        let known = |k: usize| match k {
+            0 => Some(rising[0].unwrap_or(0.0)),
+            _ if k == last => Some(rising[last].unwrap_or(highest.max(1.0))),
+            _ => rising[k],
+        };
+        let mut positions = Vec::with_capacity(given.len());
+        let mut from = (0, 0.0);
+        for k in 0..given.len() {
+            if let Some(position) = known(k) {
+                from = (k, position);
+            }
+            let next = (k..given.len()).find_map(|next| Some((next, known(next)?))).unwrap_or(from);
+            let part = if next.0 == from.0 { 0.0 } else { (k - from.0) as f32 / (next.0 - from.0) as f32 };
+            positions.push(from.1 + (next.1 - from.1) * part);
+        }
+        positions
+    }
+
     /// Colour of a value; those outside of 0 to 1 have that of the nearer end.
     pub fn colour(&self, value: f32) -> [f32; 3] {
         let value = value.clamp(0.0, 1.0);
@@ -58,6 +88,14 @@ impl Ramp {
 #[cfg(test)]
 mod tests {
     use super::Ramp;
+
+    #[test]
+    fn positions_that_are_not_given_are_evenly_spaced() {
+        assert_eq!(Ramp::spaced(&[None, None, None]), [0.0, 0.5, 1.0]);
+        assert_eq!(Ramp::spaced(&[Some(0.2), None, None, Some(0.8), None]), [0.2, 0.4, 0.6, 0.8, 1.0].map(|x: f32| x));
+        assert_eq!(Ramp::spaced(&[Some(0.6), Some(0.4), None]), [0.6, 0.6, 1.0]);
+        assert_eq!((Ramp::spaced(&[None]), Ramp::spaced(&[])), (vec![0.0], vec![]));
+    }
 
     #[test]
     fn positions_at_even_spaces_change_nothing() {

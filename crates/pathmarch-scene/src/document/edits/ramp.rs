@@ -1,13 +1,13 @@
 //! Colour ramps: the `colour` nodes of a texture or an orbit trap.
 
 use super::transaction::Transaction;
-use crate::document::control::{ControlKind, Value};
+use crate::document::control::Value;
 use crate::document::error::EditError;
 use crate::document::parameters::{Inside, Parameter, Place, holder};
 use crate::document::text::layout::{Chunk, Site, insert_first};
-use crate::document::text::literals::numbers;
+use crate::document::text::literals::{number, numbers};
 use crate::document::tree::path::Path;
-use crate::language::keywords::{COLOUR, ORBIT_TRAP};
+use crate::language::keywords::{COLOUR, COLOUR_POSITION, ORBIT_TRAP};
 use crate::textures;
 
 /// A colour ramp of a material.
@@ -17,8 +17,24 @@ pub struct Ramp {
     pub name: String,
     /// Present colours, linear Rec. 709; empty if the text gives none.
     pub colours: Vec<[f32; 3]>,
+    /// Value of each colour, from 0 to 1, never falling.
+    pub positions: Vec<f32>,
+    /// Values of the colours that the text gives.
+    pub(crate) given: Vec<Option<f32>>,
     /// Node whose texture or orbit trap it is in.
     pub(crate) owner: &'static str,
+}
+
+impl Ramp {
+    /// Key of the position of a colour.
+    pub(crate) fn position_key(&self, index: usize) -> String {
+        format!("{}.{COLOUR}.{}.{COLOUR_POSITION}", self.name, index + 1)
+    }
+
+    /// Colour of a value from 0 to 1.
+    pub fn colour(&self, value: f32) -> [f32; 3] {
+        textures::Ramp { colours: self.colours.clone(), positions: Some(self.positions.clone()) }.colour(value)
+    }
 }
 
 /// Ramps among the parameters of a material.
@@ -32,7 +48,7 @@ pub(crate) fn ramps(parameters: &[Parameter]) -> Vec<Ramp> {
     for Parameter { control, place } in parameters {
         let name = control.key.split('.').next().unwrap_or_default().to_owned();
         let owner = match place {
-            Place::Inside(owner, Inside::Colour(_)) => *owner,
+            Place::Inside(owner, Inside::Colour(_) | Inside::ColourPosition(_)) => *owner,
             // One that has no colours yet.
             Place::Node(ORBIT_TRAP) if control.given => ORBIT_TRAP,
             Place::Texture(owner) if control.given && !is_number(&name) => match &control.value {
@@ -42,22 +58,33 @@ pub(crate) fn ramps(parameters: &[Parameter]) -> Vec<Ramp> {
             _ => continue,
         };
         if ramps.iter().all(|ramp| ramp.owner != owner) {
-            ramps.push(Ramp { name, colours: Vec::new(), owner });
+            ramps.push(Ramp { name, colours: Vec::new(), positions: Vec::new(), given: Vec::new(), owner });
         }
-        if let (ControlKind::Colour { .. }, Value::Colour(colour), Some(ramp)) =
-            (&control.kind, &control.present, ramps.iter_mut().find(|ramp| ramp.owner == owner))
-            && matches!(place, Place::Inside(..))
-        {
-            ramp.colours.push(*colour);
+        let Some(ramp) = ramps.iter_mut().find(|ramp| ramp.owner == owner) else { continue };
+        match (place, &control.present) {
+            (Place::Inside(_, Inside::Colour(_)), Value::Colour(colour)) => ramp.colours.push(*colour),
+            (Place::Inside(_, Inside::ColourPosition(_)), Value::Number(position)) if control.given => {
+                ramp.given.push(Some(*position));
+            }
+            (Place::Inside(_, Inside::ColourPosition(_)), _) => ramp.given.push(None),
+            _ => {}
         }
+    }
+    for ramp in &mut ramps {
+        ramp.positions = textures::Ramp::spaced(&ramp.given);
     }
     ramps
 }
 
 /// The colour node of this index in the ramp of `owner`.
-fn site<'t>(transaction: &'t Transaction, path: &Path, owner: &str, colour: usize) -> Result<Site<'t>, EditError> {
+fn site<'t>(
+    transaction: &'t Transaction,
+    path: &Path,
+    owner: &'static str,
+    colour: usize,
+) -> Result<Site<'t>, EditError> {
     let found = transaction.find(path)?;
-    let site = holder(found.node, owner).and_then(|holder| {
+    let site = holder(found.node, &Place::Inside(owner, Inside::Argument)).and_then(|holder| {
         transaction.writer(found).of(holder).check_braces().ok()?;
         let block = holder.children.as_ref()?;
         let mut colours = (0..block.nodes.len()).filter(|index| block.nodes[*index].name.value == COLOUR);
@@ -70,7 +97,7 @@ fn site<'t>(transaction: &'t Transaction, path: &Path, owner: &str, colour: usiz
 fn insert(
     transaction: &mut Transaction,
     path: &Path,
-    owner: &str,
+    owner: &'static str,
     index: usize,
     chunk: &Chunk,
 ) -> Result<(), EditError> {
@@ -80,7 +107,7 @@ fn insert(
         }
         None => {
             let found = transaction.find(path)?;
-            let Some(holder) = holder(found.node, owner) else {
+            let Some(holder) = holder(found.node, &Place::Inside(owner, Inside::Argument)) else {
                 return Err(EditError::NotHere(format!("`{owner}` has no texture.")));
             };
             transaction.writer(found).of(holder).check_braces()?;
@@ -90,40 +117,31 @@ fn insert(
     transaction.then(vec![patch])
 }
 
-/// Adds colours to a ramp, of which the first then has this index.
+/// Adds colours to a ramp, of which the first then has this index, with their positions if they are given.
 pub(crate) fn add(
     transaction: &mut Transaction,
     path: &Path,
-    owner: &str,
+    owner: &'static str,
     index: usize,
-    colours: &[[f32; 3]],
+    colours: &[([f32; 3], Option<f32>)],
 ) -> Result<(), EditError> {
-    for colour in colours.iter().rev() {
+    for (colour, position) in colours.iter().rev() {
         let grey = colour.iter().all(|channel| *channel == colour[0]);
         let values = if grey { &colour[..1] } else { &colour[..] };
-        let chunk = Chunk::new(&format!("{COLOUR} {}", numbers(values)), transaction.style);
+        let position = position.map(|position| format!(" {COLOUR_POSITION}={}", number(position))).unwrap_or_default();
+        let chunk = Chunk::new(&format!("{COLOUR} {}{position}", numbers(values)), transaction.style);
         insert(transaction, path, owner, index, &chunk)?;
     }
     Ok(())
 }
 
 /// Removes a colour from a ramp.
-pub(crate) fn remove(transaction: &mut Transaction, path: &Path, owner: &str, index: usize) -> Result<(), EditError> {
-    let patch = site(transaction, path, owner, index)?.removal(&transaction.text, false);
-    transaction.then(vec![patch])
-}
-
-/// Moves a colour of a ramp, with its comments, to another index.
-pub(crate) fn move_to(
+pub(crate) fn remove(
     transaction: &mut Transaction,
     path: &Path,
-    owner: &str,
-    from: usize,
-    to: usize,
+    owner: &'static str,
+    index: usize,
 ) -> Result<(), EditError> {
-    let site = site(transaction, path, owner, from)?;
-    let chunk = Chunk::of(&transaction.text, &site, true);
-    let patch = site.removal(&transaction.text, true);
-    transaction.then(vec![patch])?;
-    insert(transaction, path, owner, to, &chunk)
+    let patch = site(transaction, path, owner, index)?.removal(&transaction.text, false);
+    transaction.then(vec![patch])
 }

@@ -179,31 +179,9 @@ pub(super) fn ramp(node: &Node, context: &mut Context) -> Option<Option<Ramp>> {
         }
         last = Some((*position, node));
     }
-    let positions = last.map(|_| spaced(&given));
+    let positions = last.map(|_| Ramp::spaced(&given));
     let colours = read.into_iter().map(|(colour, _)| colour).collect();
     Some(Some(Ramp { colours, positions }))
-}
-
-/// All positions of a ramp: the first is 0 and the last is 1 unless given, and those between two given ones are evenly
-/// spaced.
-fn spaced(given: &[Option<f32>]) -> Vec<f32> {
-    let last = given.len() - 1;
-    let known = |k: usize| match k {
-        0 => Some(given[0].unwrap_or(0.0)),
-        _ if k == last => Some(given[last].unwrap_or(1.0)),
-        _ => given[k],
-    };
-    let mut positions = Vec::with_capacity(given.len());
-    let mut from = (0, known(0).unwrap_or_default());
-    for k in 0..given.len() {
-        if let Some(position) = known(k) {
-            from = (k, position);
-        }
-        let next = (k..given.len()).find_map(|next| Some((next, known(next)?))).unwrap_or(from);
-        let part = if next.0 == from.0 { 0.0 } else { (k - from.0) as f32 / (next.0 - from.0) as f32 };
-        positions.push(from.1 + (next.1 - from.1) * part);
-    }
-    positions
 }
 
 /// Property of pictures at the texture coordinates of a mesh.

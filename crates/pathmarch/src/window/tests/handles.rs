@@ -191,22 +191,22 @@ fn colours_of_a_ramp_are_added_dragged_and_removed() {
         let rect = bar(person).shrink2(Vec2::new(4.5, 0.0));
         Pos2::new(egui::lerp(rect.x_range(), share), rect.max.y - 4.0)
     };
-    // The last colour to the first place, across the middle one: one step.
-    let (from, to) = (at(&person, 1.0), at(&person, 0.02));
+    // The last colour towards the middle one, which stays: one step.
+    let (from, to) = (at(&person, 1.0), at(&person, 0.75));
     person.drag(from, to, PointerButton::Primary, Modifiers::NONE);
-    assert!(person.text().contains("{ colour 0 0 1; colour 1 0 0; colour 0 1 0 }"), "{}", person.text());
+    assert!(person.text().contains("colour 0 1 0 at=0.5; colour 0 0 1 at=0.7"), "{}", person.text());
     assert_eq!(person.undo_all(), 1);
     let between = at(&person, 0.75);
     person.click_at(between, Modifiers::NONE);
     let (_, line) = changed_lines(&text, person.text())[0];
-    assert!(line.contains("colour 0 1 0; colour 0 0.") && line.contains("; colour 0 0 1"), "{line}");
+    assert!(line.contains("colour 0 1 0 at=0.5; colour 0 0.") && line.contains("; colour 0 0 1 }"), "{line}");
     assert_eq!(line.matches("colour").count(), 4);
-    let third = at(&person, 2.0 / 3.0);
+    let third = at(&person, 0.75);
     person.hover(third);
     person.button(third, PointerButton::Secondary, true, Modifiers::NONE);
     person.button(third, PointerButton::Secondary, false, Modifiers::NONE);
     person.wait(PAUSE);
-    assert_eq!(person.text(), text);
+    assert_eq!(person.text(), text.replace("colour 0 1 0", "colour 0 1 0 at=0.5"));
     assert_eq!(person.undo_all(), 2);
     // A texture without colours starts a ramp.
     let plain = text.replace("marble { colour 1 0 0; colour 0 1 0; colour 0 0 1 }", "marble");

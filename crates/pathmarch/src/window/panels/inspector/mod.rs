@@ -225,15 +225,17 @@ impl App {
         }
         let undo_group = self.undo_group;
         if let Some(ramp) = started {
-            self.edit(|open| open.document.add_colours(path, ramp, 0, &DEFAULT_COLOURS, None));
+            self.edit(|open| open.document.start_ramp(path, ramp, &DEFAULT_COLOURS));
         }
         if let Some((ramp, change)) = ramp_change {
             self.edit(|open| match change {
-                RampChange::Add(index, colour) => {
-                    open.document.add_colours(path, ramp, index, &[colour], Some(undo_group))
+                RampChange::Add(colour, position) => {
+                    open.document.add_colour_at(path, ramp, colour, position, undo_group)
                 }
                 RampChange::Remove(index) => open.document.remove_colour(path, ramp, index),
-                RampChange::Move(from, to) => open.document.move_colour(path, ramp, from, to, Some(undo_group)),
+                RampChange::Place(index, position) => {
+                    open.document.place_colour(path, ramp, index, position, undo_group)
+                }
             });
         }
         match change {

@@ -2,7 +2,6 @@
 
 use egui::{Color32, Mesh, Pos2, Rect, Response, Rgba, Sense, Shape, Stroke, Ui, Vec2};
 use pathmarch_render::pathmarch_scene::document::{Path, Ramp};
-use pathmarch_render::pathmarch_scene::textures::ramp as colour_at;
 
 /// Size of the bar, and height of the marks below it, points.
 const BAR: Vec2 = Vec2::new(190.0, 16.0);
@@ -12,23 +11,21 @@ const COLUMNS: u32 = 48;
 
 /// A change of a ramp.
 pub(super) enum RampChange {
-    /// Adds a colour, which then has this index.
-    Add(usize, [f32; 3]),
+    /// Adds a colour at a position.
+    Add([f32; 3], f32),
     Remove(usize),
-    /// Moves a colour to another index.
-    Move(usize, usize),
+    /// Moves a colour to another position.
+    Place(usize, f32),
 }
 
-/// Place of a colour on the bar.
-fn place(bar: Rect, index: usize, count: usize) -> Pos2 {
-    let share = if count < 2 { 0.5 } else { index as f32 / (count - 1) as f32 };
-    Pos2::new(egui::lerp(bar.x_range(), share), bar.max.y)
+/// Place of a position on the bar.
+fn place(bar: Rect, position: f32) -> Pos2 {
+    Pos2::new(egui::lerp(bar.x_range(), position), bar.max.y)
 }
 
-/// The colour whose mark is nearest to the pointer.
-fn nearest(bar: Rect, count: usize, at: Pos2) -> usize {
-    let share = ((at.x - bar.min.x) / bar.width()).clamp(0.0, 1.0);
-    (share * count.saturating_sub(1) as f32).round() as usize
+/// Position of a place on the bar, to three decimals.
+fn position(bar: Rect, at: Pos2) -> f32 {
+    (((at.x - bar.min.x) / bar.width()).clamp(0.0, 1.0) * 1e3).round() / 1e3
 }
 
 /// Draws the bar of a ramp with colours; returns a change.
@@ -47,7 +44,7 @@ pub(super) fn bar(ui: &mut Ui, path: &Path, ramp: &Ramp, label: &Response) -> Op
         let share = column as f32 / COLUMNS as f32;
         let x = egui::lerp(bar.x_range(), share);
         for y in [bar.min.y, bar.max.y] {
-            mesh.colored_vertex(Pos2::new(x, y), shown(colour_at(&ramp.colours, share)));
+            mesh.colored_vertex(Pos2::new(x, y), shown(ramp.colour(share)));
         }
         if column > 0 {
             let first = 2 * (column - 1);
@@ -61,8 +58,9 @@ pub(super) fn bar(ui: &mut Ui, path: &Path, ramp: &Ramp, label: &Response) -> Op
     let mut change = None;
     let at = response.interact_pointer_pos();
     let on_mark = |at: Pos2| {
-        let index = nearest(bar, count, at);
-        ((at.x - place(bar, index, count).x).abs() <= 0.7 * MARK).then_some(index)
+        let distance = |index: &usize| (at.x - place(bar, ramp.positions[*index]).x).abs();
+        let nearest = (0..count).rev().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        (distance(&nearest) <= 0.7 * MARK).then_some(nearest)
     };
     if response.drag_started()
         && let Some(index) = ui.input(|input| input.pointer.press_origin()).and_then(on_mark)
@@ -71,10 +69,9 @@ pub(super) fn bar(ui: &mut Ui, path: &Path, ramp: &Ramp, label: &Response) -> Op
     }
     let dragged = ui.data(|data| data.get_temp::<usize>(held)).filter(|index| *index < count);
     if let (Some(index), Some(at), true) = (dragged, at, response.dragged()) {
-        let to = nearest(bar, count, at);
-        if to != index {
-            ui.data_mut(|data| data.insert_temp(held, to));
-            change = Some(RampChange::Move(index, to));
+        let to = position(bar, at);
+        if to != ramp.positions[index] {
+            change = Some(RampChange::Place(index, to));
         }
     }
     if !response.dragged() {
@@ -84,16 +81,14 @@ pub(super) fn bar(ui: &mut Ui, path: &Path, ramp: &Ramp, label: &Response) -> Op
     match at.or(response.hover_pos()).map(|at| (at, on_mark(at))) {
         Some((_, Some(index))) if removed && count > 1 => change = Some(RampChange::Remove(index)),
         Some((at, None)) if clicked => {
-            let share = ((at.x - bar.min.x) / bar.width()).clamp(0.0, 1.0);
-            let colour = colour_at(&ramp.colours, share).map(|v| (v * 1e3).round() / 1e3);
-            let before = (share * count.saturating_sub(1) as f32).floor() as usize;
-            change = Some(RampChange::Add(before + 1, colour));
+            let at = position(bar, at);
+            change = Some(RampChange::Add(ramp.colour(at).map(|v| (v * 1e3).round() / 1e3), at));
         }
         _ => {}
     }
     let marked = dragged.or_else(|| response.hover_pos().and_then(on_mark));
     for (index, colour) in ramp.colours.iter().enumerate() {
-        let tip = place(bar, index, count);
+        let tip = place(bar, ramp.positions[index]);
         let half = 0.45 * MARK;
         let corners = vec![tip, tip + Vec2::new(half, MARK), tip + Vec2::new(-half, MARK)];
         let stroke = if marked == Some(index) { Color32::WHITE } else { ui.visuals().text_color() };
