@@ -2,10 +2,6 @@
 
 /// Light that the uniform number `choice` chooses.
 fn chosen_light(p: vec3f, normal: vec3f, choice: f32) -> Light {
-    // Reads of one address by all lanes are cheap on software adapters.
-    if HAS_ONE_LIGHT {
-        return lights[0];
-    }
     let cell = choice * f32(frame.light_count);
     var index = min(u32(cell), frame.light_count - 1u);
     if cell - f32(index) >= lights[index].threshold {
@@ -16,8 +12,5 @@ fn chosen_light(p: vec3f, normal: vec3f, choice: f32) -> Light {
 
 /// Light with the probability that it is chosen.
 fn light_from(index: u32, p: vec3f, normal: vec3f) -> Light {
-    if HAS_ONE_LIGHT {
-        return lights[0];
-    }
     return lights[index];
 }

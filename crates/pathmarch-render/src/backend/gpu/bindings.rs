@@ -52,18 +52,35 @@ pub(crate) struct Bindings {
     pub(super) loops_are_limited: bool,
     /// True if the kernel records guides.
     pub(super) has_guides: bool,
-    /// Parameters of the field and the frame as expressions in WGSL, if they are constants.
-    constants: Option<[String; 2]>,
+    constants: Option<Constants>,
 }
 
-/// Parameters of the field and the frame as expressions in WGSL; `None` if that is not possible.
-fn constants(input: &RenderInput, program: &Program) -> Option<[String; 2]> {
-    if !program.is_uniform() || !program.parameters.iter().flatten().all(|number| number.is_finite()) {
-        return None;
+/// Numbers of a picture as expressions in WGSL.
+struct Constants {
+    parameters: String,
+    frame: String,
+    /// Light of a scene with one that paths sample.
+    light: Option<String>,
+}
+
+impl Constants {
+    /// `None` if the field reads tables, or if a number is not finite.
+    fn new(input: &RenderInput, program: &Program) -> Option<Self> {
+        if !program.is_uniform() || !program.parameters.iter().flatten().all(|number| number.is_finite()) {
+            return None;
+        }
+        let vectors = program.parameters.iter().map(|[x, y, z, w]| format!("vec4f({x:?}, {y:?}, {z:?}, {w:?})"));
+        let vectors: Vec<_> = vectors.collect();
+        let light = match &input.scene.lights[..] {
+            [light] if input.mode.traces_paths() => wgsl::value(&LightRecord::new(light)),
+            _ => None,
+        };
+        Some(Self {
+            parameters: format!("{}({})", program.parameters_type(), vectors.join(", ")),
+            frame: wgsl::value(&input.frame)?,
+            light,
+        })
     }
-    let vectors = program.parameters.iter().map(|[x, y, z, w]| format!("vec4f({x:?}, {y:?}, {z:?}, {w:?})"));
-    let vectors: Vec<_> = vectors.collect();
-    Some([format!("{}({})", program.parameters_type(), vectors.join(", ")), wgsl::value(&input.frame)?])
 }
 
 impl Bindings {
@@ -89,7 +106,7 @@ impl Bindings {
         let loops_are_limited = software && input.scene.field.has_loops();
         // Paths that are resumed do not keep the state of the recorder.
         let has_guides = input.records_guides() && !loops_are_limited;
-        let constants = if software && input.config.constant_numbers { constants(input, program) } else { None };
+        let constants = if software && input.config.constant_numbers { Constants::new(input, program) } else { None };
         Self { uniform, software, loops_are_limited, has_guides, constants }
     }
 
@@ -110,6 +127,11 @@ impl Bindings {
     /// True if the kernel contains the frame.
     pub(super) fn frame_is_constant(&self) -> bool {
         self.constants.is_some()
+    }
+
+    /// True if the kernel contains the only light.
+    pub(super) fn has_constant_light(&self) -> bool {
+        self.constants.as_ref().is_some_and(|constants| constants.light.is_some())
     }
 
     /// True if a buffer is in uniform memory.
@@ -140,10 +162,14 @@ impl Bindings {
         };
         let mut text = match (&self.constants, self.software) {
             // Not `const`, so that the front end evaluates nothing: a division by zero is no mistake here.
-            (Some([parameters, frame]), _) => format!(
-                "var<private> frame: Frame = {frame};\nvar<private> field_parameters: {} = {parameters};\n\nfn load_frame() {{}}\n\n",
-                program.parameters_type()
-            ),
+            (Some(Constants { parameters, frame, light }), _) => {
+                let constant =
+                    |name: &str, kind: &str, value: &str| format!("var<private> {name}: {kind} = {value};\n");
+                constant("frame", "Frame", frame)
+                    + &constant("field_parameters", &program.parameters_type(), parameters)
+                    + &light.as_ref().map(|light| constant("one_light", "Light", light)).unwrap_or_default()
+                    + "\nfn load_frame() {}\n\n"
+            }
             (None, true) => {
                 table(FRAME, "stored_frame", "Frame")
                     + "var<private> frame: Frame;\n\nfn load_frame() {\n    frame = stored_frame;\n}\n\n"
