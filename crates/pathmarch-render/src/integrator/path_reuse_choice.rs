@@ -25,14 +25,25 @@ const MIN_GAIN: f64 = 0.2;
 /// Largest relative variance of a pixel of the probe, so that none dominates.
 const MAX_VARIANCE: f64 = 10.0;
 
+/// Cost of a connection in a kernel on a software adapter, relative to a ray: its lanes exchange what they share through
+/// memory, one by one. On llvmpipe 2 to 3.7.
+pub(crate) const SOFTWARE_CONNECTION_COST: f64 = 3.0;
+
 /// True in scenes where some surface is Lambertian, and nothing but the geometry decides what one sees of another.
 pub(crate) fn is_possible(scene: &RenderScene, config: &KernelConfig) -> bool {
     let is_plain = !config.media && !config.shading_normals && !config.fast_caustics && !config.traced_caustics;
     is_plain && scene.materials.iter().any(|material| material.has(LAMBERTIAN))
 }
 
-/// True if a picture with this number of samples a pixel converges sooner with path reuse.
-pub(crate) fn pays(scene: &RenderScene, frame: &FrameUniforms, config: &KernelConfig, samples: u32) -> bool {
+/// True if a picture with this number of samples a pixel converges sooner with path reuse, if a connection costs as much as
+/// this number of rays.
+pub(crate) fn pays(
+    scene: &RenderScene,
+    frame: &FrameUniforms,
+    config: &KernelConfig,
+    samples: u32,
+    connection_cost: f64,
+) -> bool {
     let [width, height] = frame.size();
     let probe_paths = 2 * PROBE_SAMPLES * PROBE_GRID[0] * PROBE_GRID[1] * GROUP * GROUP;
     let is_large = probe::path_count(frame, samples) >= MIN_PATHS_PER_PROBE_PATH * f64::from(probe_paths);
@@ -40,15 +51,16 @@ pub(crate) fn pays(scene: &RenderScene, frame: &FrameUniforms, config: &KernelCo
         return false;
     }
     let frame = probe::frame_of(frame);
-    let error = |path_reuse: bool| {
+    let [[variance, cost], [shared_variance, shared_cost]] = [false, true].map(|path_reuse| {
         let config = KernelConfig { path_reuse, splitting: 1, ..*config };
         let counters = RayCounters::default();
         let ctx = TraceContext { scene, frame: &frame, config: &config, stats: Some(&counters), photons: None };
         let tiles = (0..PROBE_GRID[0] * PROBE_GRID[1]).into_par_iter();
         let variance: f64 = tiles.map(|tile| variance_of_tile(&ctx, tile)).collect::<Vec<_>>().iter().sum();
-        variance * probe::cost(&counters)
-    };
-    error(true) < (1.0 - MIN_GAIN) * error(false)
+        [variance, probe::cost(&counters)]
+    });
+    let shared_cost = cost + connection_cost * (shared_cost - cost);
+    shared_variance * shared_cost < (1.0 - MIN_GAIN) * variance * cost
 }
 
 /// Variance of the pixels of a tile of the probe, relative to their means as in relMSE and summed.

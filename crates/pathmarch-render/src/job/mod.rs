@@ -203,7 +203,7 @@ impl Renderer {
             }
         }
         let samples = settings.whole_samples.unwrap_or(settings.samples);
-        input.choose_path_reuse(settings, samples);
+        input.choose_path_reuse(settings, samples, false);
         if settings.splitting.is_none() && !input.config.path_reuse {
             input.choose_splitting(samples, false);
         }
@@ -227,7 +227,7 @@ fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -
     let limited = gpu.is_software() && input.scene.field.has_loops();
     let samples = settings.whole_samples.unwrap_or(settings.samples);
     if !limited {
-        input.choose_path_reuse(settings, samples);
+        input.choose_path_reuse(settings, samples, gpu.is_software());
         input.config.path_reuse &= input.config.splitting <= path_reuse::MAX_SPLITTING;
         if settings.splitting.is_none() {
             input.choose_splitting(samples, true);
