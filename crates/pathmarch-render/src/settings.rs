@@ -50,8 +50,8 @@ pub struct Settings {
     /// are unbiased. Applies to [`Mode::Path`].
     pub splitting: Option<u32>,
     /// Whether pixels share the light that their paths find at second surfaces; `None` where the picture then converges
-    /// sooner. Unbiased. Applies to [`Mode::Path`] on the CPU, without `crop` and `clamp`, to scenes without media, bump
-    /// maps and traced or fast caustics.
+    /// sooner. Unbiased. Applies to [`Mode::Path`] without `crop` and `clamp`, to scenes without media, bump maps and traced or
+    /// fast caustics; on software adapters that end loops, only to fields without loops.
     pub path_reuse: Option<bool>,
     /// Pixels to render; the film has only these. `None` for all. For stills; live pictures ignore it.
     pub crop: Option<Rect>,

@@ -81,7 +81,7 @@ pub struct Arguments {
     /// Paths per camera ray, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     pub(super) splitting: Option<u32>,
-    /// Pixels share light that their paths find, on the CPU: on or off [default: on where the picture then converges sooner]
+    /// Pixels share light that their paths find: on or off [default: on where the picture then converges sooner]
     #[arg(long, value_name = "on|off", value_parser = parse_switch)]
     pub(super) path_reuse: Option<bool>,
     /// Exposure of PNG and JPEG in stops, -100 to 100; or auto, which suits the picture [default: the camera's]

@@ -76,7 +76,7 @@ impl Task<'_> {
             print_settings(self.arguments, job.backend(), &self.settings, self.progress);
         }
         if self.settings.path_reuse == Some(true) && !job.reuses_paths() {
-            note!("note: --path-reuse has no effect: it is for path-traced pictures of diffuse surfaces on the CPU");
+            note!("note: --path-reuse has no effect: it is for path-traced pictures of diffuse surfaces");
         }
         let picture = self.picture(before);
         let of = self.settings.samples;

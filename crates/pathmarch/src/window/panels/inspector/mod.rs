@@ -182,9 +182,11 @@ impl App {
     fn controls_of(&mut self, ui: &mut Ui, path: &Path) {
         let Some(open) = &self.open else { return };
         let animated = open.document.last_good().is_some_and(|scene| scene.animated);
-        let (unset, controls): (Vec<Control>, Vec<Control>) =
-            open.document.controls(path).into_iter().partition(|control| is_unset(control, animated));
         let ramps = open.document.ramps(path);
+        let (mut unset, controls): (Vec<Control>, Vec<Control>) =
+            open.document.controls(path).into_iter().partition(|control| is_unset(control, animated));
+        // The bar of a ramp sets the positions of its colours.
+        unset.retain(|control| !(control.key.contains(".colour.") && control.key.ends_with(".at")));
         let (mut change, mut ramp_change) = (None, None);
         egui::Grid::new(("controls", path)).num_columns(2).spacing([8.0, 5.0]).striped(true).show(ui, |ui| {
             for control in &controls {
