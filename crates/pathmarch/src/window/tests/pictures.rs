@@ -1,7 +1,8 @@
-//! Pictures of the documentation: windows at work, written to `docs/images`.
+//! Pictures of the documentation: windows at work.
 //!
-//! `cargo test --release -p pathmarch --bin pathmarch -- --ignored picture_of` makes them again. With
-//! `PATHMARCH_PICTURES` they go to another directory. Those of a small window are only to be looked at.
+//! `PATHMARCH_PICTURES=docs/images cargo test --release -p pathmarch --bin pathmarch -- --ignored picture_of` makes them
+//! again; without the variable, a directory of the workspace, none is kept. Those of a small window are only to be looked
+//! at.
 
 use super::*;
 use image::codecs::jpeg::JpegEncoder;
@@ -42,14 +43,15 @@ impl Person {
         let mut bytes = Vec::new();
         JpegEncoder::new_with_quality(&mut bytes, QUALITY).encode_image(&rendered).expect("encoded");
         assert!(bytes.len() <= LARGEST, "{name}: {} bytes", bytes.len());
-        let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/images");
-        let directory = std::env::var_os("PATHMARCH_PICTURES").map_or_else(default, PathBuf::from);
-        std::fs::write(directory.join(name), bytes).expect("written");
+        if let Some(directory) = std::env::var_os("PATHMARCH_PICTURES") {
+            let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+            std::fs::write(workspace.join(directory).join(name), bytes).expect("written");
+        }
     }
 }
 
 #[test]
-#[ignore = "writes files to docs/images, and draws with a GPU adapter"]
+#[ignore = "makes pictures of the documentation, and draws with a GPU adapter"]
 fn picture_of_a_profile() {
     let mut person = at_example("candle-light");
     person.select("curve");
@@ -58,7 +60,7 @@ fn picture_of_a_profile() {
 }
 
 #[test]
-#[ignore = "writes files to docs/images, and draws with a GPU adapter"]
+#[ignore = "makes pictures of the documentation, and draws with a GPU adapter"]
 fn picture_of_a_sun() {
     let mut person = at_example("day");
     person.select("sky");
@@ -66,7 +68,7 @@ fn picture_of_a_sun() {
 }
 
 #[test]
-#[ignore = "writes files to docs/images, and draws with a GPU adapter"]
+#[ignore = "makes pictures of the documentation, and draws with a GPU adapter"]
 fn picture_of_a_ramp_and_of_the_palette() {
     let mut person = at_example("textures");
     person.select("voronoi");
@@ -76,7 +78,7 @@ fn picture_of_a_ramp_and_of_the_palette() {
 }
 
 #[test]
-#[ignore = "writes files to docs/images, and draws with a GPU adapter"]
+#[ignore = "makes pictures of the documentation, and draws with a GPU adapter"]
 fn picture_of_a_spot_light() {
     let spot = "spot { at -1.2 2.2 1.2; target -0.2 0.3 0.4; intensity 30; cone 40 }\nsun {";
     let mut person = Start::with(&super::looks::STILL.replace("sun {", spot)).drawn(true).size(1000.0, 620.0).go();
