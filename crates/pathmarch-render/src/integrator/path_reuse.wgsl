@@ -12,11 +12,8 @@ struct SecondSurface {
     radiance: vec3f,
 }
 
-/// Paths of a pixel in memory of the workgroup: as many as may share a camera ray.
-const PATHS = SPLITTING;
-
-/// Second surfaces of each pixel of the tile, row by row, its paths one after the other.
-var<workgroup> second_surfaces: array<SecondSurface, PATHS * GROUP * GROUP>;
+/// Second surfaces of each pixel of the tile, row by row: those of its paths, as many as share a camera ray.
+var<workgroup> second_surfaces: array<SecondSurface, SPLITTING * GROUP * GROUP>;
 /// Densities over area with which each pixel samples the second surfaces of the pixels of its group, 1/m².
 var<workgroup> densities: array<f32, GROUP * GROUP * GROUP>;
 
@@ -57,8 +54,8 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
     let pixel = vec2u(x, y) % GROUP;
     let ray_index = camera_ray_index(slice.sample);
     let slope = slope_of(vec2u(x, y) / GROUP, ray_index);
-    let first_second_surface = PATHS * (GROUP * pixel.y + pixel.x);
-    for (var k = 0u; k < PATHS; k++) {
+    let first_second_surface = SPLITTING * (GROUP * pixel.y + pixel.x);
+    for (var k = 0u; k < SPLITTING; k++) {
         second_surfaces[first_second_surface + k].normal = vec3f(0.0);
     }
     var sum = before;
@@ -94,7 +91,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
         // Connections with the second surfaces of the group: density, and BSDF times both cosines over the square of the distance.
         var values: array<vec3f, GROUP>;
         for (var index = 0u; index < group_size; index++) {
-            let second = second_surfaces[PATHS * place_in_group(pixel, slope, index) + k];
+            let second = second_surfaces[SPLITTING * place_in_group(pixel, slope, index) + k];
             let offset = second.p - interaction.p;
             let square = dot(offset, offset);
             let direction = offset / sqrt(square);
@@ -126,7 +123,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
         for (var index = 0u; index < group_size; index++) {
             if any(values[index] > vec3f(0.0)) {
                 shared_radiance +=
-                    values[index] * second_surfaces[PATHS * place_in_group(pixel, slope, index) + k].radiance;
+                    values[index] * second_surfaces[SPLITTING * place_in_group(pixel, slope, index) + k].radiance;
             }
         }
     }
