@@ -92,7 +92,8 @@ mod tests {
     #[test]
     fn positions_that_are_not_given_are_evenly_spaced() {
         assert_eq!(Ramp::spaced(&[None, None, None]), [0.0, 0.5, 1.0]);
-        assert_eq!(Ramp::spaced(&[Some(0.2), None, None, Some(0.8), None]), [0.2, 0.4, 0.6, 0.8, 1.0].map(|x: f32| x));
+        let spaced = Ramp::spaced(&[Some(0.25), None, None, Some(0.625), None]);
+        assert_eq!(spaced, [0.25, 0.375, 0.5, 0.625, 1.0]);
         assert_eq!(Ramp::spaced(&[Some(0.6), Some(0.4), None]), [0.6, 0.6, 1.0]);
         assert_eq!((Ramp::spaced(&[None]), Ramp::spaced(&[])), (vec![0.0], vec![]));
     }
