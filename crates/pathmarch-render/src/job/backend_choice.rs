@@ -39,7 +39,7 @@ pub(super) fn measure(scene: &Scene, settings: &Settings, input: &RenderInput, g
     let mut sample = input.clone();
     if !sample.reframe(scene, &small) {
         sample = RenderInput::new(scene, &small);
-        sample.choose_constants(settings);
+        sample.config.constant_numbers = input.config.constant_numbers;
     }
     sample.config.splitting = 1;
     let pixels = f64::from(size[0]) * f64::from(size[1]);

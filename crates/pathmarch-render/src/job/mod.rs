@@ -227,8 +227,9 @@ fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -
     let limited = gpu.is_software() && input.scene.field.has_loops();
     let samples = settings.whole_samples.unwrap_or(settings.samples);
     if !limited {
-        input.choose_path_reuse(settings, samples, gpu.is_software());
-        input.config.path_reuse &= input.config.splitting <= path_reuse::MAX_SPLITTING;
+        if input.config.splitting <= path_reuse::MAX_SPLITTING {
+            input.choose_path_reuse(settings, samples, gpu.is_software());
+        }
         if settings.splitting.is_none() {
             input.choose_splitting(samples, true);
         }

@@ -29,22 +29,15 @@ fn uv_texel(position: i32, count: i32, wrap: u32) -> u32 {
 
 /// Bilinear colour of a level; `modes` are the wrap modes, and a bit for texels that are not interpolated.
 fn uv_bilinear(picture: TexturePicture, level: u32, place: vec2f, modes: u32) -> vec3f {
-    var start = 0u;
-    var width = picture.width;
-    var height = picture.height;
-    for (var k = 0u; k < level; k++) {
-        start += width * height;
-        width = max(width / 2u, 1u);
-        height = max(height / 2u, 1u);
-    }
-    let at = place * vec2f(f32(width), f32(height)) - 0.5;
+    let mip = picture_level(picture, level);
+    let at = place * vec2f(f32(mip.width), f32(mip.height)) - 0.5;
     let corner = floor(at);
     let part = select(at - corner, floor(at - corner + 0.5), (modes & 16u) != 0u);
     let first = vec2i(corner);
-    let x0 = uv_texel(first.x, i32(width), modes & 3u);
-    let x1 = uv_texel(first.x + 1, i32(width), modes & 3u);
-    let y0 = start + width * uv_texel(first.y, i32(height), (modes >> 2u) & 3u);
-    let y1 = start + width * uv_texel(first.y + 1, i32(height), (modes >> 2u) & 3u);
+    let x0 = uv_texel(first.x, i32(mip.width), modes & 3u);
+    let x1 = uv_texel(first.x + 1, i32(mip.width), modes & 3u);
+    let y0 = mip.start + mip.width * uv_texel(first.y, i32(mip.height), (modes >> 2u) & 3u);
+    let y1 = mip.start + mip.width * uv_texel(first.y + 1, i32(mip.height), (modes >> 2u) & 3u);
     let upper = mix(picture_texel(picture, y0 + x0), picture_texel(picture, y0 + x1), part.x);
     let lower = mix(picture_texel(picture, y1 + x0), picture_texel(picture, y1 + x1), part.x);
     return mix(upper, lower, part.y);

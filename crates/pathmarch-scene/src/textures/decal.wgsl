@@ -7,22 +7,15 @@ fn decal_texel(picture: TexturePicture, index: u32) -> vec4f {
 }
 
 fn decal_bilinear(picture: TexturePicture, level: u32, place: vec2f) -> vec4f {
-    var start = 0u;
-    var width = picture.width;
-    var height = picture.height;
-    for (var k = 0u; k < level; k++) {
-        start += width * height;
-        width = max(width / 2u, 1u);
-        height = max(height / 2u, 1u);
-    }
-    let at = vec2f(place.x * f32(width), (1.0 - place.y) * f32(height)) - 0.5;
+    let mip = picture_level(picture, level);
+    let at = vec2f(place.x * f32(mip.width), (1.0 - place.y) * f32(mip.height)) - 0.5;
     let corner = floor(at);
     let part = at - corner;
-    let last = vec2f(f32(width - 1u), f32(height - 1u));
+    let last = vec2f(f32(mip.width - 1u), f32(mip.height - 1u));
     let near = vec2u(clamp(corner, vec2f(0.0), last));
     let far = vec2u(clamp(corner + 1.0, vec2f(0.0), last));
-    let y0 = start + width * near.y;
-    let y1 = start + width * far.y;
+    let y0 = mip.start + mip.width * near.y;
+    let y1 = mip.start + mip.width * far.y;
     let upper = mix(decal_texel(picture, y0 + near.x), decal_texel(picture, y0 + far.x), part.x);
     let lower = mix(decal_texel(picture, y1 + near.x), decal_texel(picture, y1 + far.x), part.x);
     return mix(upper, lower, part.y);

@@ -22,23 +22,33 @@ fn wrapped_texel(v: f32, count: u32) -> u32 {
     return u32(((i32(v) % n) + n) % n);
 }
 
-fn picture_bilinear(picture: TexturePicture, level: u32, place: vec2f) -> vec3f {
-    var start = 0u;
-    var width = picture.width;
-    var height = picture.height;
+/// A level of a picture: its first texel, relative to that of the picture, and its size.
+struct PictureLevel {
+    start: u32,
+    width: u32,
+    height: u32,
+}
+
+fn picture_level(picture: TexturePicture, level: u32) -> PictureLevel {
+    var found = PictureLevel(0u, picture.width, picture.height);
     for (var k = 0u; k < level; k++) {
-        start += width * height;
-        width = max(width / 2u, 1u);
-        height = max(height / 2u, 1u);
+        found.start += found.width * found.height;
+        found.width = max(found.width / 2u, 1u);
+        found.height = max(found.height / 2u, 1u);
     }
+    return found;
+}
+
+fn picture_bilinear(picture: TexturePicture, level: u32, place: vec2f) -> vec3f {
+    let mip = picture_level(picture, level);
     let inside = place - floor(place);
-    let at = vec2f(inside.x * f32(width), (1.0 - inside.y) * f32(height)) - 0.5;
+    let at = vec2f(inside.x * f32(mip.width), (1.0 - inside.y) * f32(mip.height)) - 0.5;
     let corner = floor(at);
     let part = at - corner;
-    let x0 = wrapped_texel(corner.x, width);
-    let x1 = wrapped_texel(corner.x + 1.0, width);
-    let y0 = start + width * wrapped_texel(corner.y, height);
-    let y1 = start + width * wrapped_texel(corner.y + 1.0, height);
+    let x0 = wrapped_texel(corner.x, mip.width);
+    let x1 = wrapped_texel(corner.x + 1.0, mip.width);
+    let y0 = mip.start + mip.width * wrapped_texel(corner.y, mip.height);
+    let y1 = mip.start + mip.width * wrapped_texel(corner.y + 1.0, mip.height);
     let upper = mix(picture_texel(picture, y0 + x0), picture_texel(picture, y0 + x1), part.x);
     let lower = mix(picture_texel(picture, y1 + x0), picture_texel(picture, y1 + x1), part.x);
     return mix(upper, lower, part.y);

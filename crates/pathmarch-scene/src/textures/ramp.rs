@@ -19,7 +19,7 @@ impl Ramp {
     }
 
     /// All positions of a ramp: the first is 0 and the last is 1 unless given, and those between two given ones are evenly
-    /// spaced. One that falls takes the place of the last one before it.
+    /// spaced. One that falls takes the place of the last one before it. Given positions are from 0 to 1.
     pub fn spaced(given: &[Option<f32>]) -> Vec<f32> {
         let last = given.len().saturating_sub(1);
         let mut highest = f32::MIN;
@@ -32,7 +32,7 @@ impl Ramp {
             .collect();
         let known = |k: usize| match k {
             0 => Some(rising[0].unwrap_or(0.0)),
-            _ if k == last => Some(rising[last].unwrap_or(highest.max(1.0))),
+            _ if k == last => Some(rising[last].unwrap_or(1.0)),
             _ => rising[k],
         };
         let mut positions = Vec::with_capacity(given.len());

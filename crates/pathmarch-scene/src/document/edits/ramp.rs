@@ -31,9 +31,9 @@ impl Ramp {
         format!("{}.{COLOUR}.{}.{COLOUR_POSITION}", self.name, index + 1)
     }
 
-    /// Colour of a value from 0 to 1.
-    pub fn colour(&self, value: f32) -> [f32; 3] {
-        textures::Ramp { colours: self.colours.clone(), positions: Some(self.positions.clone()) }.colour(value)
+    /// Its present colours and their positions.
+    pub fn gradient(&self) -> textures::Ramp {
+        textures::Ramp { colours: self.colours.clone(), positions: Some(self.positions.clone()) }
     }
 }
 
@@ -63,6 +63,8 @@ pub(crate) fn ramps(parameters: &[Parameter]) -> Vec<Ramp> {
         let Some(ramp) = ramps.iter_mut().find(|ramp| ramp.owner == owner) else { continue };
         match (place, &control.present) {
             (Place::Inside(_, Inside::Colour(_)), Value::Colour(colour)) => ramp.colours.push(*colour),
+            // One that cannot be read has a place nevertheless.
+            (Place::Inside(_, Inside::Colour(_)), _) => ramp.colours.push([0.0; 3]),
             (Place::Inside(_, Inside::ColourPosition(_)), Value::Number(position)) if control.given => {
                 ramp.given.push(Some(*position));
             }

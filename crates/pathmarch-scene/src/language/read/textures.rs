@@ -166,18 +166,18 @@ pub(super) fn ramp(node: &Node, context: &mut Context) -> Option<Option<Ramp>> {
         return Some(None);
     }
     let mut last: Option<(f32, &Node)> = None;
-    let mut given: Vec<Option<f32>> = read.iter().map(|(_, position)| *position).collect();
-    for (node, position) in nodes.iter().zip(&mut given) {
-        let Some(position) = position else { continue };
-        if let Some((before, first)) = last.filter(|(before, _)| *position < *before) {
+    let given: Vec<Option<f32>> = read.iter().map(|(_, position)| *position).collect();
+    for (node, position) in nodes.iter().zip(&given) {
+        let Some(mut position) = *position else { continue };
+        if let Some((before, first)) = last.filter(|(before, _)| position < *before) {
             let message =
                 format!("This colour is at {position}, before the last one at {before}, whose place it takes.");
             let warning = draft("pathmarch::out_of_order", node.span(), message).label("its `at` falls");
             let help = "Give the colours of a ramp in the order of their `at`.";
             context.report.warn(warning.also(first.span(), "the last one").help(help));
-            *position = before;
+            position = before;
         }
-        last = Some((*position, node));
+        last = Some((position, node));
     }
     let positions = last.map(|_| Ramp::spaced(&given));
     let colours = read.into_iter().map(|(colour, _)| colour).collect();

@@ -1,7 +1,7 @@
 //! Handles of point and spot lights.
 
 use super::dots::{Dot, DotId, Way};
-use super::transform::{Transform, present_value, round_to};
+use super::transform::{Transform, present_number, present_value, round_to};
 use crate::window::open_scene::view_state::GizmoMode;
 use crate::window::projection::Projection;
 use egui::Color32;
@@ -52,10 +52,7 @@ impl LightHandles {
             Some(Value::Triple(value)) => Some(DVec3::from_array(value.map(f64::from))),
             _ => None,
         };
-        let number = |key: &str| match present_value(document, path, key) {
-            Some(Value::Number(value)) => Some(f64::from(value)),
-            _ => None,
-        };
+        let number = |key: &str| present_number(document, path, key);
         let at = Transform { translation: triple(AT)?, ..Transform::IDENTITY };
         match document.item(path)?.kind {
             ItemKind::Point => Some((Self::Point, at)),

@@ -159,8 +159,7 @@ impl GizmoState {
         let owner = DotOwner::of(of, &projection, &path, light);
         // A handle that is held keeps the pointer.
         let free = pointer.filter(|_| self.held.is_none());
-        let dots = self.show_dots(&painter, owner.as_ref(), of, &projection, free, snapping);
-        let (dots_taken, mut changes) = dots;
+        let (dots_taken, mut changes) = self.show_dots(&painter, owner.as_ref(), of, &projection, free, snapping);
         let pointer = pointer.map(|pointer| Pointer { hovered: pointer.hovered && !dots_taken, ..pointer });
         let hovered = self.follow(handles, gizmo.as_ref(), &path, world, pointer);
         if let (Some((_, drag)), Some(pointer)) = (&mut self.held, pointer)

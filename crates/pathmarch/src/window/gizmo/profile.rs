@@ -6,13 +6,13 @@
 
 use super::dots::{Dot, DotId, Way};
 use super::drag::Plane;
-use super::transform::{Transform, local_transform, present_value, round_to};
+use super::transform::{Transform, local_transform, present_number, round_to};
 use crate::window::projection::Projection;
 use egui::{Color32, Painter, Pos2, Stroke};
 use glam::{DQuat, DVec3};
 use pathmarch_render::pathmarch_field::outline::{Cubic, SplinePoint, through};
 use pathmarch_render::pathmarch_field::{Outline, registry};
-use pathmarch_render::pathmarch_scene::document::{ControlPoint, Document, ItemKind, Path, Value};
+use pathmarch_render::pathmarch_scene::document::{ControlPoint, Document, ItemKind, Path};
 
 /// Segments that a piece of a curve is drawn with.
 const STEPS: usize = 16;
@@ -45,11 +45,8 @@ impl Profile {
         if points.len() < 2 {
             return None;
         }
-        let filled = match (registry::solid(&item.word)?.info().outline?, present_value(document, &path, "width")) {
-            (Outline::Points, _) => true,
-            (_, Some(Value::Number(width))) => width <= 0.0,
-            _ => true,
-        };
+        let is_area = registry::solid(&item.word)?.info().outline? == Outline::Points;
+        let filled = is_area || present_number(document, &path, "width").is_none_or(|width| width <= 0.0);
         let closed = filled || points.len() > 3 && points[0].at == points[points.len() - 1].at;
         let (to_world, least_x) = plane(document, &path, camera);
         Some(Self { path, pieces: pieces(&points, closed), points, to_world, least_x })
@@ -93,21 +90,26 @@ impl Profile {
         self.points.iter().enumerate().map(|(index, point)| self.dot(index, point.at)).collect()
     }
 
+    /// Segments of the outline in front of the camera: piece, step within it, and ends in the window.
+    fn segments(&self, projection: &Projection) -> impl Iterator<Item = (&(Cubic, usize), usize, [Pos2; 2])> {
+        let all = self.pieces.iter().flat_map(|piece| (0..STEPS).map(move |step| (piece, step)));
+        all.filter_map(|(piece, step)| {
+            let end = |k: usize| projection.project(self.world(curve_point(&piece.0, k as f32 / STEPS as f32)));
+            Some((piece, step, [end(step)?, end(step + 1)?]))
+        })
+    }
+
     /// The point of the outline under a window point: the index that a control point added there would have, its
     /// coordinates, and its place in the window.
     pub(super) fn on_outline(&self, projection: &Projection, at: Pos2) -> Option<(usize, [f32; 2], Pos2)> {
         let mut nearest: Option<(f32, usize, [f32; 2], Pos2)> = None;
-        for (cubic, index) in &self.pieces {
-            for step in 0..STEPS {
-                let ends = [step, step + 1].map(|k| curve_point(cubic, k as f32 / STEPS as f32));
-                let [Some(a), Some(b)] = ends.map(|end| projection.project(self.world(end))) else { continue };
-                let along = b - a;
-                let share = ((at - a).dot(along) / along.length_sq().max(1e-9)).clamp(0.0, 1.0);
-                let distance = at.distance(a + along * share);
-                if distance <= PICK_DISTANCE && nearest.is_none_or(|(least, ..)| distance < least) {
-                    let parameter = (step as f32 + share) / STEPS as f32;
-                    nearest = Some((distance, *index, curve_point(cubic, parameter), a + along * share));
-                }
+        for ((cubic, index), step, [a, b]) in self.segments(projection) {
+            let along = b - a;
+            let share = ((at - a).dot(along) / along.length_sq().max(1e-9)).clamp(0.0, 1.0);
+            let distance = at.distance(a + along * share);
+            if distance <= PICK_DISTANCE && nearest.is_none_or(|(least, ..)| distance < least) {
+                let parameter = (step as f32 + share) / STEPS as f32;
+                nearest = Some((distance, *index, curve_point(cubic, parameter), a + along * share));
             }
         }
         nearest.map(|(_, index, point, place)| (index, point, place))
@@ -115,14 +117,9 @@ impl Profile {
 
     /// Draws the outline.
     pub(super) fn draw(&self, painter: &Painter, projection: &Projection) {
-        for (cubic, _) in &self.pieces {
-            for step in 0..STEPS {
-                let ends = [step, step + 1].map(|k| curve_point(cubic, k as f32 / STEPS as f32));
-                if let [Some(a), Some(b)] = ends.map(|end| projection.project(self.world(end))) {
-                    painter.line_segment([a, b], Stroke::new(3.0, Color32::from_black_alpha(110)));
-                    painter.line_segment([a, b], Stroke::new(1.5, Color32::WHITE));
-                }
-            }
+        for (.., ends) in self.segments(projection) {
+            painter.line_segment(ends, Stroke::new(3.0, Color32::from_black_alpha(110)));
+            painter.line_segment(ends, Stroke::new(1.5, Color32::WHITE));
         }
     }
 }
@@ -140,10 +137,7 @@ fn plane(document: &Document, path: &Path, camera: DVec3) -> (Transform, f64) {
             true => (least_x - own.translation.x) / own.scale,
             false => f64::NEG_INFINITY,
         };
-        let number = |key: &str| match present_value(document, &path, key) {
-            Some(Value::Number(value)) => f64::from(value),
-            _ => 0.0,
-        };
+        let number = |key: &str| present_number(document, &path, key).unwrap_or(0.0);
         let to_camera = Transform::IDENTITY.to_local(world).rotation.inverse() * (camera - world.translation);
         match document.item(&path).map(|item| item.word.as_str()) {
             Some("revolve") => {

@@ -5,7 +5,7 @@
 //! length.
 
 use super::dots::{Dot, DotId, Way};
-use super::transform::{Transform, local_transform, parent_transform, present_value, round_to};
+use super::transform::{Transform, local_transform, parent_transform, present_number, round_to};
 use egui::Color32;
 use glam::{DMat3, DQuat, DVec3};
 use pathmarch_render::pathmarch_field::{Aabb, Param, Solid, Unit, registry};
@@ -43,10 +43,7 @@ impl Sizes {
         if shape.info().outline.is_some() {
             return None;
         }
-        let number = |param: &Param| match present_value(document, path, &param.name) {
-            Some(Value::Number(value)) => Some(value),
-            _ => None,
-        };
+        let number = |param: &Param| present_number(document, path, &param.name).map(|value| value as f32);
         let values: Vec<f32> = shape.params().iter().map(number).collect::<Option<_>>()?;
         let bounds = shape.bounds(&values);
         if !bounds.is_finite() || bounds.is_empty() {

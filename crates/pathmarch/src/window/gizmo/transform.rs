@@ -53,6 +53,14 @@ pub(super) fn present_value(document: &Document, path: &Path, key: &str) -> Opti
     document.control(path, key).map(|control| control.present)
 }
 
+/// Present value of a property that is a number.
+pub(super) fn present_number(document: &Document, path: &Path, key: &str) -> Option<f64> {
+    match present_value(document, path, key) {
+        Some(Value::Number(value)) => Some(f64::from(value)),
+        _ => None,
+    }
+}
+
 /// Transform that the node itself gives, relative to its parent.
 pub(super) fn local_transform(document: &Document, path: &Path) -> Transform {
     let mut transform = Transform::IDENTITY;
@@ -63,8 +71,8 @@ pub(super) fn local_transform(document: &Document, path: &Path) -> Transform {
         let [x, y, z] = turn.map(|angle| f64::from(angle).to_radians());
         transform.rotation = DQuat::from_euler(EulerRot::ZYX, z, y, x);
     }
-    if let Some(Value::Number(scale)) = present_value(document, path, key::SCALE) {
-        transform.scale = f64::from(scale);
+    if let Some(scale) = present_number(document, path, key::SCALE) {
+        transform.scale = scale;
     }
     transform
 }

@@ -39,12 +39,13 @@ pub(super) fn bar(ui: &mut Ui, path: &Path, ramp: &Ramp, label: &Response) -> Op
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, name.clone()));
     let response = response.labelled_by(label.id);
     let bar = Rect::from_min_size(rect.min + Vec2::new(0.5 * MARK, 0.0), size);
+    let gradient = ramp.gradient();
     let mut mesh = Mesh::default();
     for column in 0..=COLUMNS {
         let share = column as f32 / COLUMNS as f32;
         let x = egui::lerp(bar.x_range(), share);
         for y in [bar.min.y, bar.max.y] {
-            mesh.colored_vertex(Pos2::new(x, y), shown(ramp.colour(share)));
+            mesh.colored_vertex(Pos2::new(x, y), shown(gradient.colour(share)));
         }
         if column > 0 {
             let first = 2 * (column - 1);
@@ -82,7 +83,7 @@ pub(super) fn bar(ui: &mut Ui, path: &Path, ramp: &Ramp, label: &Response) -> Op
         Some((_, Some(index))) if removed && count > 1 => change = Some(RampChange::Remove(index)),
         Some((at, None)) if clicked => {
             let at = position(bar, at);
-            change = Some(RampChange::Add(ramp.colour(at).map(|v| (v * 1e3).round() / 1e3), at));
+            change = Some(RampChange::Add(gradient.colour(at).map(|v| (v * 1e3).round() / 1e3), at));
         }
         _ => {}
     }
