@@ -11,8 +11,8 @@
 //!
 //! Two kinds of shapes are in grids: those of an object that is one union, sharp or smooth, of at least [`MIN_SHAPES`]
 //! bounded shapes without fractals; and all sphere-traced objects of one such shape each, if there are as many. Cost: a
-//! descent of at most five cells and the fold of a short list. The first sphere-traced ray builds the grid: a fraction of a
-//! second for 10,000 shapes. Memory is bounded: [`SparseGrid::bytes`].
+//! descent of at most five cells and the fold of a short list. Rays build the parts of the grid that they pass. Memory is
+//! bounded: [`SparseGrid::bytes`].
 
 mod sparse_grid;
 
@@ -24,7 +24,8 @@ use crate::bounds::Aabb;
 use crate::number::{Dual, Real, Vec3};
 use crate::operators::Operator;
 use crate::registry::union;
-pub(crate) use sparse_grid::{BITS, Cell, SPLITS, SparseGrid};
+use sparse_grid::FoundCell;
+pub(crate) use sparse_grid::{AllCells, BITS, Cell, SPLITS, SparseGrid};
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
@@ -72,12 +73,17 @@ impl ShapeGrid {
         Self { leaves, smooth, separate, first_choice, bounds, grid: Arc::default() }
     }
 
-    /// The grid, built on first use.
+    /// The grid. Its cells are built on first use.
     pub(crate) fn grid(&self, field: &Field) -> &SparseGrid {
         self.grid.get_or_init(|| SparseGrid::new(field, self))
     }
 
-    /// The grid, if it has been built.
+    /// All cells of the grid and all lists.
+    pub(crate) fn all_cells(&self, field: &Field) -> AllCells {
+        self.grid(field).all_cells(field, self)
+    }
+
+    /// The grid, if a part of it has been built.
     pub(crate) fn built_grid(&self) -> Option<&SparseGrid> {
         self.grid.get()
     }
@@ -133,11 +139,7 @@ impl ShapeGrid {
 
     /// Distance from each point, metres; unsigned if the shapes are [separate](Self::separate).
     pub(super) fn distance<N: Batch>(&self, field: &Field, p: Vec3<N>, far_field: FarField) -> N {
-        let grid = match (far_field, self.built_grid()) {
-            (FarField::Exact, None) => return self.fold(field, self.all_shapes(), p),
-            (_, Some(grid)) => grid,
-            (_, None) => self.grid(field),
-        };
+        let grid = self.grid(field);
         let [x, y, z] = [p.x, p.y, p.z].map(N::lanes);
         let mut values = [0.0; 8];
         // List of each lane in a near cell.
@@ -145,20 +147,19 @@ impl ShapeGrid {
         let mut is_exact = true;
         for lane in 0..N::LANES {
             let point = [x[lane], y[lane], z[lane]];
-            let found = grid.find(point);
+            let found = grid.find(field, self, point);
             match (found.cell, far_field) {
-                (Cell::Near { start, length }, _) if found.inside => lists[lane] = Some(grid.list(*start, *length)),
+                (FoundCell::Near(list), _) if found.inside => lists[lane] = Some(list),
                 (_, FarField::Exact) => is_exact = false,
                 (_, FarField::Bound) if !found.inside => values[lane] = self.bounds.distance(point),
-                (Cell::Near { start, length }, _) => lists[lane] = Some(grid.list(*start, *length)),
-                (Cell::Far { surface, distance, .. }, FarField::Estimate) => {
-                    values[lane] = length(point, *surface).copysign(*distance);
+                (FoundCell::Near(list), _) => lists[lane] = Some(list),
+                (FoundCell::Far { surface, distance, .. }, FarField::Estimate) => {
+                    values[lane] = length(point, surface).copysign(distance);
                 }
-                (Cell::Far { distance, .. }, _) => {
+                (FoundCell::Far { distance, .. }, _) => {
                     let bound = distance.abs() - grid.lipschitz * length(point, found.centre);
-                    values[lane] = bound.max(0.0).copysign(*distance);
+                    values[lane] = bound.max(0.0).copysign(distance);
                 }
-                (Cell::Split { .. }, _) => {}
             }
         }
         if !is_exact {
@@ -177,11 +178,7 @@ impl ShapeGrid {
         threshold: &dyn Fn(u32) -> N,
         far_field: FarField,
     ) -> Surface<N> {
-        let grid = match (far_field, self.built_grid()) {
-            (FarField::Exact, None) => return self.fold_surface(field, self.all_shapes(), p, threshold),
-            (_, Some(grid)) => grid,
-            (_, None) => self.grid(field),
-        };
+        let grid = self.grid(field);
         let [x, y, z] = [p.x, p.y, p.z].map(N::lanes);
         // Distance, gradient and leaf of each lane.
         let mut values = [[0.0; 8]; 5];
@@ -189,16 +186,14 @@ impl ShapeGrid {
         let mut is_exact = true;
         for lane in 0..N::LANES {
             let point = [x[lane], y[lane], z[lane]];
-            let found = grid.find(point);
+            let found = grid.find(field, self, point);
             match found.cell {
-                Cell::Near { start, length } if found.inside || far_field != FarField::Exact => {
-                    lists[lane] = Some(grid.list(*start, *length));
-                }
-                Cell::Far { surface, distance, leaf } if far_field != FarField::Exact => {
-                    let value = length(point, *surface).copysign(*distance);
+                FoundCell::Near(list) if found.inside || far_field != FarField::Exact => lists[lane] = Some(list),
+                FoundCell::Far { surface, distance, leaf } if far_field != FarField::Exact => {
+                    let value = length(point, surface).copysign(distance);
                     let gradient: [f32; 3] = std::array::from_fn(|k| (point[k] - surface[k]) / value);
                     let [gx, gy, gz] = gradient;
-                    for (slot, number) in values.iter_mut().zip([value, gx, gy, gz, *leaf as f32]) {
+                    for (slot, number) in values.iter_mut().zip([value, gx, gy, gz, leaf as f32]) {
                         slot[lane] = number;
                     }
                 }
@@ -391,7 +386,7 @@ impl Field {
     /// Builds all shape grids now instead of on first use, e.g. before many distances.
     pub fn build_shape_grids(&self) {
         for shape_grid in &self.shape_grids {
-            shape_grid.grid(self);
+            shape_grid.grid(self).build(self, shape_grid);
         }
     }
 

@@ -14,24 +14,31 @@
 //! A list has more shapes than any single point of its cell needs, because points on both sides drop different shapes. A cell
 //! that is not split has the union of the lists of its octants.
 //!
-//! Cost: a few evaluations of the listed shapes for each cell, eight cells at a time, on all cores. If there would be too many
-//! cells or list entries, the build starts again with longer lists.
+//! The lists of the root cells are made at once, a root's descendants when a point in it is first looked up, or all on every
+//! core for a kernel. So a picture on the CPU waits only for what its rays pass. A root's descendants are a function of its
+//! own list alone, whoever asks first. Each root has a share of the cells and list entries that are allowed; if they do not
+//! suffice, it is built again with longer lists.
+//!
+//! Cost: a few evaluations of the listed shapes for each cell, eight cells at a time.
 
 use super::ShapeGrid;
 use crate::blend::{Blend, BlendProfile};
-use crate::graph::{Field, Leaf};
+use crate::graph::Field;
 use crate::number::{Mask8, Real, Vec3};
 use crate::registry::union;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::ops::Range;
+use std::sync::OnceLock;
 use wide::f32x8;
 
 /// Root cells along the longest edge.
-const ROOTS: u32 = 4;
+const ROOTS: u32 = 16;
+/// Root cells along each axis whose lists are pruned together, as a power of two.
+const BLOCK: u32 = 2;
 /// Splits of the cells of each level along each axis, as powers of two.
-pub(crate) const SPLITS: [u32; 5] = [2, 2, 1, 1, 1];
+pub(crate) const SPLITS: [u32; 4] = [2, 1, 1, 1];
 /// Smallest cells of a root along each axis, as a power of two.
-pub(crate) const BITS: u32 = 7;
+pub(crate) const BITS: u32 = 5;
 /// Length up to which a list is not pruned further.
 const SHORT: usize = 4;
 /// Distance from a surface, in half diagonals, from which a cell has no list.
@@ -46,7 +53,7 @@ const MARGIN: f32 = 1.0 / 64.0;
 const SLACK: f32 = 1.001;
 
 /// Cell of the grid.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Cell {
     /// Split; the index of its first child.
     Split { first: u32 },
@@ -58,69 +65,211 @@ pub(crate) enum Cell {
 }
 
 /// Cells of a shape grid and their lists.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct SparseGrid {
     /// Corner of smallest coordinates.
     pub(crate) min: [f32; 3],
     /// Edge of the smallest cells, metres.
     pub(crate) edge: f32,
-    /// Roots along each axis; they are the first cells, x fastest.
-    pub(crate) roots: [u32; 3],
-    pub(crate) cells: Vec<Cell>,
-    /// Positions of shapes in the fold, ascending within each list.
-    pub(crate) lists: Vec<u32>,
+    /// Number of roots along each axis.
+    pub(crate) counts: [u32; 3],
     /// Lipschitz constant of all shapes.
     pub(crate) lipschitz: f32,
+    /// Distance below rounding, metres.
+    negligible: f32,
+    /// Distance behind the nearest shape beyond which blends leave nothing of a shape, metres.
+    cutoff: f32,
+    /// Length up to which cells are not split, unless there would be too many.
+    short: usize,
+    /// Roots, x fastest.
+    roots: Vec<Root>,
+    /// Length of all their lists together.
+    entries: usize,
+}
+
+/// Root cell.
+#[derive(Debug, Default)]
+struct Root {
+    /// Positions in the fold of the shapes that affect it.
+    list: Vec<u32>,
+    /// Length of the list of its block.
+    block_length: usize,
+    /// Distance of the union at its centre, metres.
+    distance: f32,
+    cells: OnceLock<RootCells>,
+}
+
+/// Root cell and its descendants.
+#[derive(Debug)]
+struct RootCells {
+    root: Cell,
+    cells: Vec<Cell>,
+    /// Positions of shapes in the fold, ascending within each list.
+    lists: Vec<u32>,
+}
+
+/// All cells, the roots first, and all lists.
+pub(crate) struct AllCells {
+    pub(crate) cells: Vec<Cell>,
+    pub(crate) lists: Vec<u32>,
 }
 
 /// Cell that contains a point, or the nearest one.
 pub(super) struct Found<'a> {
-    pub(super) cell: &'a Cell,
+    pub(super) cell: FoundCell<'a>,
     pub(super) centre: [f32; 3],
     /// True if the point is in it.
     pub(super) inside: bool,
 }
 
+/// Its content.
+pub(super) enum FoundCell<'a> {
+    /// Near a surface; its shapes.
+    Near(&'a [u32]),
+    /// As [`Cell::Far`].
+    Far { surface: [f32; 3], distance: f32, leaf: u32 },
+}
+
 impl SparseGrid {
-    /// Builds the grid.
+    /// Prepares the grid: the lists of its roots.
     pub(super) fn new(field: &Field, shape_grid: &ShapeGrid) -> Self {
-        // A failed attempt is repeated with longer lists: start at a length that will likely do.
-        let thousands = shape_grid.leaves.len() as f32 / 1000.0;
-        let mut short = SHORT * (thousands.powf(0.6).round() as usize).clamp(1, 16);
+        let count = shape_grid.leaves.len();
+        let (min, max) = (shape_grid.bounds.min, shape_grid.bounds.max);
+        let size = (0..3).map(|k| max[k] - min[k]).fold(1e-6, f32::max);
+        let extent = min.iter().chain(&max).map(|v| v.abs()).fold(size, f32::max);
+        let margin = (size * MARGIN).max(1e-5 * extent);
+        let edge = (size + 2.0 * margin) / (ROOTS << BITS) as f32;
+        let root = edge * (1 << BITS) as f32;
+        let counts = std::array::from_fn(|k| (((max[k] - min[k] + 2.0 * margin) / root).ceil() as u32).clamp(1, ROOTS));
+        let negligible = 6e-8 * extent;
+        let slopes = shape_grid.leaves.iter().map(|&leaf| {
+            let leaf = &field.leaves[leaf as usize];
+            leaf.shape.lipschitz(&leaf.params)
+        });
+        let mut grid = Self {
+            // Centred in its cells.
+            min: std::array::from_fn(|k| 0.5 * (min[k] + max[k] - counts[k] as f32 * root)),
+            edge,
+            counts,
+            lipschitz: slopes.fold(1.0, f32::max),
+            negligible,
+            cutoff: shape_grid.smooth.map_or(0.0, |blend| cutoff(blend, negligible)),
+            short: SHORT * ((count as f32 / 1000.0).powf(0.6).round() as usize).clamp(1, 16),
+            roots: (0..counts.iter().product()).map(|_| Root::default()).collect(),
+            entries: 0,
+        };
+        let mut roots = std::mem::take(&mut grid.roots);
+        let mut pruner = Pruner::new(field, shape_grid, &grid, (0..count as u32).collect());
+        let [nx, ny, nz] = counts.map(|count| count.div_ceil(1 << BLOCK));
+        for block in (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))) {
+            let [pruned, ..] = pruner.prune_each(&[block], BITS + BLOCK, 0..count);
+            pruner.prune_roots(block, BLOCK, pruned.list.clone(), pruned.list.len(), &mut roots);
+            pruner.stack.truncate(count);
+        }
+        grid.entries = roots.iter().map(|root| root.list.len()).sum::<usize>().max(1);
+        grid.roots = roots;
+        grid
+    }
+
+    /// Memory, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let of_root = |root: &Root| {
+            let cells = root.cells.get().map_or(0, |root| size_of_val(&*root.cells) + size_of_val(&*root.lists));
+            size_of::<Root>() + size_of_val(&*root.list) + cells
+        };
+        self.roots.iter().map(of_root).sum()
+    }
+
+    /// A root's cells, built on first use.
+    fn root_cells(&self, field: &Field, shape_grid: &ShapeGrid, index: usize) -> &RootCells {
+        self.roots[index].cells.get_or_init(|| {
+            let [nx, ny, _] = self.counts;
+            let number = index as u32;
+            let place = [number % nx, number / nx % ny, number / (nx * ny)];
+            self.build_root(field, shape_grid, place, &self.roots[index])
+        })
+    }
+
+    /// Builds the cells of a root, with longer lists if there would be more than its share.
+    fn build_root(&self, field: &Field, shape_grid: &ShapeGrid, place: [u32; 3], root: &Root) -> RootCells {
+        let share = |most: usize| (most as f64 * root.list.len() as f64 / self.entries as f64) as usize;
+        let mut short = self.short;
         loop {
-            if let Some(grid) = Builder::new(field, shape_grid, short).build() {
-                return grid;
+            // Lists of all shapes cannot get longer.
+            let is_unlimited = short >= root.list.len();
+            let mut builder = RootBuilder {
+                pruner: Pruner::new(field, shape_grid, self, root.list.clone()),
+                short,
+                max_cells: if is_unlimited { usize::MAX } else { share(MAX_CELLS) },
+                max_entries: if is_unlimited { usize::MAX } else { share(MAX_ENTRIES) },
+                cells: Vec::new(),
+                lists: Vec::new(),
+                last_list: 0..0,
+            };
+            let pending = Pruned { list: 0..root.list.len(), distance: root.distance };
+            if let Some(root) = builder.build_cell(place, 0, &pending, root.block_length) {
+                return RootCells { root, cells: builder.cells, lists: builder.lists };
             }
             short *= 2;
         }
     }
 
-    /// Memory, bytes.
-    pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.cells) + size_of_val(&*self.lists)
+    /// Builds all cells on all cores.
+    pub(super) fn build(&self, field: &Field, shape_grid: &ShapeGrid) {
+        (0..self.roots.len()).into_par_iter().for_each(|index| {
+            self.root_cells(field, shape_grid, index);
+        });
     }
 
-    pub(super) fn list(&self, start: u32, length: u32) -> &[u32] {
-        &self.lists[start as usize..(start + length) as usize]
+    /// All cells and lists. Builds those that are missing.
+    pub(super) fn all_cells(&self, field: &Field, shape_grid: &ShapeGrid) -> AllCells {
+        self.build(field, shape_grid);
+        let roots: Vec<&RootCells> =
+            (0..self.roots.len()).map(|index| self.root_cells(field, shape_grid, index)).collect();
+        let moved = |cell: Cell, first_cell: usize, first_entry: usize| match cell {
+            Cell::Split { first } => Cell::Split { first: first + first_cell as u32 },
+            Cell::Near { start, length } => Cell::Near { start: start + first_entry as u32, length },
+            far => far,
+        };
+        let (mut first_cell, mut first_entry) = (roots.len(), 0);
+        let mut all = AllCells { cells: Vec::new(), lists: Vec::new() };
+        for root in &roots {
+            all.cells.push(moved(root.root, first_cell, first_entry));
+            (first_cell, first_entry) = (first_cell + root.cells.len(), first_entry + root.lists.len());
+        }
+        for root in &roots {
+            let (first_cell, first_entry) = (all.cells.len(), all.lists.len());
+            all.cells.extend(root.cells.iter().map(|&cell| moved(cell, first_cell, first_entry)));
+            all.lists.extend(&root.lists);
+        }
+        all
     }
 
-    pub(super) fn find(&self, p: [f32; 3]) -> Found<'_> {
+    pub(super) fn find(&self, field: &Field, shape_grid: &ShapeGrid, p: [f32; 3]) -> Found<'_> {
         let mut inside = true;
         let inverse = 1.0 / self.edge;
         let place: [u32; 3] = std::array::from_fn(|k| {
-            let (at, count) = ((p[k] - self.min[k]) * inverse, (self.roots[k] << BITS) as f32);
+            let (at, count) = ((p[k] - self.min[k]) * inverse, (self.counts[k] << BITS) as f32);
             inside &= at >= 0.0 && at < count;
             at.clamp(0.0, count - 1.0) as u32
         });
         let [x, y, z] = place.map(|v| v >> BITS);
-        let mut cell = &self.cells[((z * self.roots[1] + y) * self.roots[0] + x) as usize];
+        let RootCells { root, cells, lists } =
+            self.root_cells(field, shape_grid, ((z * self.counts[1] + y) * self.counts[0] + x) as usize);
+        let mut cell = root;
         let mut shift = BITS;
         for bits in SPLITS {
             let Cell::Split { first } = cell else { break };
             shift -= bits;
             let [x, y, z] = place.map(|v| v >> shift & ((1 << bits) - 1));
-            cell = &self.cells[(first + (((z << bits) + y) << bits) + x) as usize];
+            cell = &cells[(first + (((z << bits) + y) << bits) + x) as usize];
         }
+        let cell = match *cell {
+            Cell::Near { start, length } => FoundCell::Near(&lists[start as usize..(start + length) as usize]),
+            Cell::Far { surface, distance, leaf } => FoundCell::Far { surface, distance, leaf },
+            // The cells of the last level are never split.
+            Cell::Split { .. } => FoundCell::Near(&[]),
+        };
         let centre = std::array::from_fn(|k| centre(self.min[k], self.edge, place[k] >> shift, shift));
         Found { cell, centre, inside }
     }
@@ -131,123 +280,60 @@ fn centre(min: f32, edge: f32, place: u32, shift: u32) -> f32 {
     min + (place as f32 + 0.5) * (edge * (1 << shift) as f32)
 }
 
-/// Cells and lists of one root, with indices relative to its own first ones.
-#[derive(Default)]
-struct Part {
-    cells: Vec<Cell>,
-    lists: Vec<u32>,
-    /// Start and length of the last list.
-    last_list: (u32, u32),
-}
-
-struct Builder<'a> {
-    field: &'a Field,
-    shape_grid: &'a ShapeGrid,
-    leaves: Vec<&'a Leaf>,
-    min: [f32; 3],
-    edge: f32,
-    roots: [u32; 3],
-    lipschitz: f32,
-    /// Length up to which cells are not split.
-    short: usize,
-    /// Distance below rounding, metres.
-    negligible: f32,
-    /// Distance behind the nearest shape beyond which blends leave nothing of a shape, metres.
-    cutoff: f32,
-    cells: AtomicUsize,
-    numbers: AtomicUsize,
-}
-
-/// Cell to be built.
-struct PendingCell {
-    /// Index along each axis among the cells of its size.
-    place: [u32; 3],
-    list: Vec<u32>,
-    /// Length of its parent's list.
-    parent_length: usize,
-    /// Distance of the union at its centre, metres.
+/// Part of a list that matters in a cube.
+#[derive(Clone, Default)]
+struct Pruned {
+    /// Range of [`Pruner::stack`].
+    list: Range<usize>,
+    /// Distance of the union at the centre of the cube, metres.
     distance: f32,
 }
 
-impl<'a> Builder<'a> {
-    fn new(field: &'a Field, shape_grid: &'a ShapeGrid, short: usize) -> Self {
-        let leaves: Vec<&Leaf> = shape_grid.leaves.iter().map(|&leaf| &field.leaves[leaf as usize]).collect();
-        let (min, max) = (shape_grid.bounds.min, shape_grid.bounds.max);
-        let size = (0..3).map(|k| max[k] - min[k]).fold(1e-6, f32::max);
-        let extent = min.iter().chain(&max).map(|v| v.abs()).fold(size, f32::max);
-        let margin = (size * MARGIN).max(1e-5 * extent);
-        let edge = (size + 2.0 * margin) / (ROOTS << BITS) as f32;
-        let root = edge * (1 << BITS) as f32;
-        let roots = std::array::from_fn(|k| (((max[k] - min[k] + 2.0 * margin) / root).ceil() as u32).clamp(1, ROOTS));
-        let negligible = 6e-8 * extent;
-        // Centred in its cells.
-        let min = std::array::from_fn(|k| 0.5 * (min[k] + max[k] - roots[k] as f32 * root));
+/// Pruning of lists, with the memory that it needs.
+struct Pruner<'a> {
+    field: &'a Field,
+    shape_grid: &'a ShapeGrid,
+    min: [f32; 3],
+    edge: f32,
+    counts: [u32; 3],
+    lipschitz: f32,
+    negligible: f32,
+    cutoff: f32,
+    /// Lists, those of children behind those of their parents.
+    stack: Vec<u32>,
+    /// Distance of each shape of a list at eight points.
+    distances: Vec<f32x8>,
+    /// Least difference of the result before each shape and its distance.
+    behind: Vec<f32x8>,
+    /// Bit mask of the cubes in which each shape matters.
+    keeps: Vec<u8>,
+}
+
+impl<'a> Pruner<'a> {
+    fn new(field: &'a Field, shape_grid: &'a ShapeGrid, grid: &SparseGrid, list: Vec<u32>) -> Self {
+        let &SparseGrid { min, edge, counts, lipschitz, negligible, cutoff, .. } = grid;
+        let (distances, behind, keeps) = (Vec::new(), Vec::new(), Vec::new());
         Self {
             field,
             shape_grid,
             min,
             edge,
-            roots,
-            lipschitz: leaves.iter().map(|leaf| leaf.shape.lipschitz(&leaf.params)).fold(1.0, f32::max),
-            leaves,
-            short,
+            counts,
+            lipschitz,
             negligible,
-            cutoff: shape_grid.smooth.map_or(0.0, |blend| cutoff(blend, negligible)),
-            cells: AtomicUsize::new(0),
-            numbers: AtomicUsize::new(0),
+            cutoff,
+            stack: list,
+            distances,
+            behind,
+            keeps,
         }
-    }
-
-    /// Builds the grid; `None` if it would be too large.
-    fn build(&self) -> Option<SparseGrid> {
-        let [nx, ny, nz] = self.roots;
-        let places: Vec<[u32; 3]> =
-            (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))).collect();
-        let everyone: Vec<u32> = (0..self.leaves.len() as u32).collect();
-        let pending: Vec<PendingCell> =
-            places.par_chunks(8).flat_map_iter(|places| self.pruned(places, BITS, &everyone)).collect();
-        let parts: Option<Vec<(Cell, Part)>> = pending
-            .into_par_iter()
-            .map(|pending| {
-                let mut part = Part::default();
-                let cell = self.build_cell(pending, 0, &mut part)?;
-                Some((cell, part))
-            })
-            .collect();
-        let parts = parts?;
-        let mut cells = Vec::with_capacity(parts.len());
-        let (mut first_cell, mut first_number) = (parts.len() as u32, 0);
-        let moved = |cell: Cell, first_cell: u32, first_number: u32| match cell {
-            Cell::Split { first } => Cell::Split { first: first + first_cell },
-            Cell::Near { start, length } => Cell::Near { start: start + first_number, length },
-            far => far,
-        };
-        for (root, part) in &parts {
-            cells.push(moved(*root, first_cell, first_number));
-            first_cell += part.cells.len() as u32;
-            first_number += part.lists.len() as u32;
-        }
-        let mut lists = Vec::with_capacity(first_number as usize);
-        first_cell = parts.len() as u32;
-        for (_, part) in &parts {
-            let first_number = lists.len() as u32;
-            cells.extend(part.cells.iter().map(|&cell| moved(cell, first_cell, first_number)));
-            lists.extend(&part.lists);
-            first_cell += part.cells.len() as u32;
-        }
-        let Self { min, edge, roots, lipschitz, .. } = *self;
-        Some(SparseGrid { min, edge, roots, cells, lists, lipschitz })
-    }
-
-    fn shift(level: usize) -> u32 {
-        BITS - SPLITS[..level].iter().sum::<u32>()
     }
 
     fn centre(&self, place: [u32; 3], shift: u32) -> [f32; 3] {
         std::array::from_fn(|k| centre(self.min[k], self.edge, place[k], shift))
     }
 
-    /// Edge of the cells of this level, metres.
+    /// Edge of cells of this size, metres.
     fn size(&self, shift: u32) -> f32 {
         self.edge * (1 << shift) as f32
     }
@@ -257,172 +343,284 @@ impl<'a> Builder<'a> {
         0.5 * 3f32.sqrt() * SLACK * self.lipschitz * edge + self.negligible
     }
 
-    /// Builds a cell and its children; `None` if the limits are exceeded.
-    fn build_cell(&self, pending: PendingCell, level: usize, part: &mut Part) -> Option<Cell> {
-        let PendingCell { place, list, parent_length, distance } = pending;
-        let is_divisible = level < SPLITS.len() && (level == 0 || 5 * list.len() < 4 * parent_length);
-        // Lists of all shapes cannot get longer.
-        let is_unlimited = self.short >= self.leaves.len();
-        let (centre, edge) = (self.centre(place, Self::shift(level)), self.size(Self::shift(level)));
-        let list = if level > 1 { self.pruned_by_octants(centre, edge, 1, list) } else { list };
-        if list.len() > self.short && !is_unlimited {
-            if distance.abs() >= FAR * self.change(edge)
-                && let Some(cell) = self.far_cell(centre, &list, distance)
-            {
-                return Some(cell);
+    /// Prunes a list for the roots in a cube of them.
+    fn prune_roots(
+        &mut self,
+        place: [u32; 3],
+        bits: u32,
+        list: Range<usize>,
+        block_length: usize,
+        roots: &mut [Root],
+    ) {
+        let counts = self.counts;
+        let size = 1 << (bits - 1);
+        let octants = octants_of(place).map(|place| place.map(|v| v * size));
+        let top = self.stack.len();
+        let pruned = self.prune_each(&octants_of(place), BITS + bits - 1, list);
+        for ((octant, place), Pruned { list, distance }) in octants_of(place).into_iter().zip(octants).zip(pruned) {
+            if (0..3).any(|k| place[k] >= counts[k]) {
+                continue;
             }
-            if is_divisible {
-                return self.split(place, level, &list, part);
+            if bits > 1 {
+                self.prune_roots(octant, bits - 1, list, block_length, roots);
+                continue;
             }
+            let [x, y, z] = place;
+            let list = self.stack[list].to_vec();
+            roots[((z * counts[1] + y) * counts[0] + x) as usize] =
+                Root { list, block_length, distance, cells: OnceLock::new() };
         }
-        let list = if is_unlimited { list } else { self.pruned_by_octants(centre, edge, 2, list) };
-        let (start, length) = part.last_list;
-        // Neighbours often have the same list.
-        if part.lists[start as usize..(start + length) as usize] == list {
-            return Some(Cell::Near { start, length });
-        }
-        let (start, length) = (part.lists.len(), list.len());
-        let numbers = self.numbers.fetch_add(length, Ordering::Relaxed) + length;
-        if numbers > MAX_ENTRIES.max(self.leaves.len()) && !is_unlimited {
-            return None;
-        }
-        part.lists.extend(list);
-        part.last_list = (start as u32, length as u32);
-        Some(Cell::Near { start: start as u32, length: length as u32 })
+        self.stack.truncate(top);
     }
 
-    /// Union of the pruned lists of a cube's parts, for this many levels of octants.
-    fn pruned_by_octants(&self, centre: [f32; 3], edge: f32, levels: u32, list: Vec<u32>) -> Vec<u32> {
+    /// Prunes a list for each of at most eight cells. The lists are appended to the stack.
+    fn prune_each(&mut self, places: &[[u32; 3]], shift: u32, list: Range<usize>) -> [Pruned; 8] {
+        let mut centres = [self.centre(places[0], shift); 8];
+        for (centre, &place) in centres.iter_mut().zip(places) {
+            *centre = self.centre(place, shift);
+        }
+        let distance = self.prune(&centres, self.size(shift), list.clone()).to_array();
+        let mut pruned: [Pruned; 8] = Default::default();
+        for (lane, pruned) in pruned.iter_mut().enumerate().take(places.len()) {
+            *pruned = Pruned { list: self.push_kept(list.clone(), 1 << lane), distance: distance[lane] };
+        }
+        pruned
+    }
+
+    /// Appends the shapes of a list that matter in any of these cubes to the stack.
+    fn push_kept(&mut self, list: Range<usize>, cubes: u8) -> Range<usize> {
+        let start = self.stack.len();
+        for (place, keeps) in list.zip(&self.keeps) {
+            if keeps & cubes != 0 {
+                self.stack.push(self.stack[place]);
+            }
+        }
+        start..self.stack.len()
+    }
+
+    /// Union of the pruned lists of a cube's parts, for this many levels of octants, at the end of the stack.
+    fn prune_by_octants(&mut self, cube: [f32; 3], edge: f32, levels: u32, list: Range<usize>) -> Range<usize> {
         if levels == 0 || list.len() <= SHORT {
             return list;
         }
         let edge = 0.5 * edge;
-        let octants = octants_of([0; 3]).map(|half| std::array::from_fn(|k| centre[k] + (half[k] as f32 - 0.5) * edge));
-        let (keeps, _) = self.prune(&octants, edge, &list);
-        let of = |mask: u32| list.iter().zip(&keeps).filter(move |(_, keeps)| *keeps & mask != 0);
+        let octants = octants_of([0; 3]).map(|half| std::array::from_fn(|k| cube[k] + (half[k] as f32 - 0.5) * edge));
+        self.prune(&octants, edge, list.clone());
         if levels == 1 {
-            return of(0xff).map(|(&number, _)| number).collect();
+            return self.push_kept(list, 0xff);
         }
-        let octants = octants.into_iter().enumerate().flat_map(|(lane, centre)| {
-            self.pruned_by_octants(centre, edge, levels - 1, of(1 << lane).map(|(&number, _)| number).collect())
-        });
-        let mut entries: Vec<u32> = octants.collect();
-        entries.sort_unstable();
-        entries.dedup();
-        entries
-    }
-
-    fn split(&self, place: [u32; 3], level: usize, list: &[u32], part: &mut Part) -> Option<Cell> {
-        let (bits, shift) = (SPLITS[level], Self::shift(level));
-        let count = 1 << (3 * bits);
-        if self.cells.fetch_add(count, Ordering::Relaxed) + count > MAX_CELLS {
-            return None;
+        let keeps = self.keeps.clone();
+        let mut matters = vec![false; list.len()];
+        for (lane, &octant) in octants.iter().enumerate() {
+            let start = self.stack.len();
+            for (place, keeps) in list.clone().zip(&keeps) {
+                if keeps >> lane & 1 == 1 {
+                    self.stack.push(self.stack[place]);
+                }
+            }
+            let inner = self.prune_by_octants(octant, edge, levels - 1, start..self.stack.len());
+            // Both lists ascend.
+            let mut place = list.start;
+            for &number in &self.stack[inner] {
+                while self.stack[place] != number {
+                    place += 1;
+                }
+                matters[place - list.start] = true;
+            }
+            self.stack.truncate(start);
         }
-        let first = part.cells.len();
-        part.cells.resize(first + count, Cell::Near { start: 0, length: 0 });
-        // Level by level, so that eight neighbours are pruned from the list of their parent.
-        let mut blocks = vec![(place, list.to_vec())];
-        for shift in (shift - bits + 1..shift).rev() {
-            let split = |(place, list): (_, Vec<u32>)| self.pruned(&octants_of(place), shift, &list);
-            blocks = blocks.into_iter().flat_map(split).map(|pending| (pending.place, pending.list)).collect();
-        }
-        for (block, inner) in blocks {
-            for mut pending in self.pruned(&octants_of(block), shift - bits, &inner) {
-                pending.parent_length = list.len();
-                let [x, y, z] = pending.place.map(|v| v & ((1 << bits) - 1));
-                let number = (((z << bits) + y) << bits) + x;
-                let cell = self.build_cell(pending, level + 1, part)?;
-                part.cells[first + number as usize] = cell;
+        let start = self.stack.len();
+        for (place, matters) in list.zip(matters) {
+            if matters {
+                self.stack.push(self.stack[place]);
             }
         }
-        Some(Cell::Split { first: first as u32 })
+        start..self.stack.len()
     }
 
-    /// Cells at these places, at most eight, each with its part of a list.
-    fn pruned(&self, places: &[[u32; 3]], shift: u32, list: &[u32]) -> Vec<PendingCell> {
-        let centres: Vec<[f32; 3]> = places.iter().map(|&place| self.centre(place, shift)).collect();
-        let (keeps, distance) = self.prune(&centres, self.size(shift), list);
-        let distance = distance.to_array();
-        let pending = places.iter().enumerate().map(|(lane, &place)| {
-            let kept = list.iter().zip(&keeps).filter(|(_, keeps)| *keeps >> lane & 1 == 1);
-            let list = kept.map(|(&number, _)| number).collect();
-            PendingCell { place, list, parent_length: keeps.len(), distance: distance[lane] }
-        });
-        pending.collect()
-    }
-
-    /// Prunes a list for at most eight cubes of this edge: a bit mask of cubes for each shape, and the distances at their centres.
-    fn prune(&self, centres: &[[f32; 3]], edge: f32, list: &[u32]) -> (Vec<u32>, f32x8) {
-        let lane = |axis: usize| f32x8::from(std::array::from_fn(|k| centres.get(k).unwrap_or(&centres[0])[axis]));
+    /// Finds the cubes of this edge in which each shape of a list matters, in `keeps`. Returns the distances of the union at
+    /// their centres.
+    fn prune(&mut self, centres: &[[f32; 3]; 8], edge: f32, list: Range<usize>) -> f32x8 {
+        let lane = |axis: usize| f32x8::from(std::array::from_fn(|k| centres[k][axis]));
         let p = Vec3::new(lane(0), lane(1), lane(2));
-        let distance = |&number: &u32| {
-            let distance: f32x8 = self.leaves[number as usize].distance(p);
-            if self.shape_grid.separate { distance.abs() } else { distance }
-        };
-        let distances: Vec<f32x8> = list.iter().map(distance).collect();
+        self.distances.clear();
+        for &number in &self.stack[list] {
+            let leaf = self.shape_grid.leaves[number as usize];
+            let distance: f32x8 = self.field.leaves[leaf as usize].distance(p);
+            self.distances.push(if self.shape_grid.separate { distance.abs() } else { distance });
+        }
+        self.keeps.clear();
         let change = f32x8::splat(2.0 * self.change(edge));
         match self.shape_grid.smooth {
-            None => prune_sharp(&distances, change),
-            Some(blend) => self.prune_smooth(&distances, change, blend),
+            None => self.prune_sharp(change),
+            Some(blend) => self.prune_smooth(change, blend),
         }
     }
 
-    /// Prunes the distances of a smooth union at eight points, each uncertain by `change`: a bit mask of points for each shape, and
-    /// the distances of the union.
-    fn prune_smooth(&self, distances: &[f32x8], change: f32x8, blend: Blend) -> (Vec<u32>, f32x8) {
+    /// Prunes a sharp union, whose distances are uncertain by `change`.
+    fn prune_sharp(&mut self, change: f32x8) -> f32x8 {
+        let least = least_of(&self.distances);
+        let keeps = |distance: &f32x8| !distance.simd_gt(least + change).to_bitmask() as u8;
+        self.keeps.extend(self.distances.iter().map(keeps));
+        least
+    }
+
+    /// Prunes a smooth union, whose distances are uncertain by `change`.
+    fn prune_smooth(&mut self, change: f32x8, blend: Blend) -> f32x8 {
         let width = f32x8::splat(blend.amount.max(1e-6));
         let operator = union();
-        let least = distances.iter().fold(f32x8::splat(f32::INFINITY), |least, &distance| least.fast_min(distance));
-        let farthest = least + f32x8::splat(self.cutoff) + change;
+        let farthest = least_of(&self.distances) + f32x8::splat(self.cutoff) + change;
         let mut result = f32x8::splat(f32::INFINITY);
-        let mut keeps = Vec::with_capacity(distances.len());
-        // Least difference of the result before each shape and its distance.
-        let mut behind = Vec::with_capacity(distances.len());
         // First shape of each lane that all earlier ones do not affect.
-        let mut firsts = [0; 8];
-        for (place, &distance) in distances.iter().enumerate() {
+        let mut first = f32x8::ZERO;
+        self.behind.clear();
+        for (place, &distance) in self.distances.iter().enumerate() {
             let nothing = distance.simd_ge(result + width + change) | distance.simd_ge(farthest);
             let before = result - distance - change;
+            self.behind.push(before);
+            let kept = !nothing.to_bitmask() as u8;
+            self.keeps.push(kept);
+            if kept == 0 {
+                continue;
+            }
             let all = before.simd_ge(width);
             let blended = operator.distance(result, distance, Some(blend));
             let taken = Real::select(Mask8(all), distance, blended);
             result = Real::select(Mask8(nothing), result, taken);
-            keeps.push(!nothing.to_bitmask());
-            behind.push(before.to_array());
-            let all = all.to_bitmask() & !nothing.to_bitmask();
-            if all != 0 {
-                firsts
-                    .iter_mut()
-                    .enumerate()
-                    .filter(|(lane, _)| all >> lane & 1 == 1)
-                    .for_each(|(_, first)| *first = place);
+            first = Real::select(Mask8(all & !nothing), f32x8::splat(place as f32), first);
+        }
+        // From the last shape on: the slope of the final result in the result before each.
+        let mut slope = f32x8::ONE;
+        let (reach, negligible) = (f32x8::splat(blend.reach()), f32x8::splat(self.negligible));
+        let mut least = first;
+        let mut is_open = f32x8::ZERO.simd_le(f32x8::ZERO);
+        for (place, &behind) in self.behind.iter().enumerate().rev() {
+            let here = f32x8::splat(place as f32);
+            is_open = is_open & first.simd_le(here);
+            if is_open.to_bitmask() == 0 {
+                break;
+            }
+            let kept = lanes_of(self.keeps[place]) & is_open;
+            let ends = kept & behind.simd_ge(f32x8::ZERO) & (reach * slope).simd_le(negligible);
+            least = Real::select(Mask8(ends), here, least);
+            is_open = is_open & !ends;
+            slope = Real::select(Mask8(kept), slope * remaining_slope(blend, behind / width), slope);
+        }
+        for (place, keeps) in self.keeps.iter_mut().enumerate() {
+            let matters = least.simd_le(f32x8::splat(place as f32)).to_bitmask() as u8;
+            if matters == 0xff {
+                break;
+            }
+            *keeps &= matters;
+        }
+        result
+    }
+}
+
+/// Construction of a root's cells.
+struct RootBuilder<'a> {
+    pruner: Pruner<'a>,
+    /// Length up to which cells are not split.
+    short: usize,
+    max_cells: usize,
+    max_entries: usize,
+    cells: Vec<Cell>,
+    lists: Vec<u32>,
+    /// Range of the last list.
+    last_list: Range<usize>,
+}
+
+impl RootBuilder<'_> {
+    fn shift(level: usize) -> u32 {
+        BITS - SPLITS[..level].iter().sum::<u32>()
+    }
+
+    /// Builds a cell and its children; `None` if there are too many. `parent_length` is the length of its parent's list.
+    fn build_cell(
+        &mut self,
+        place: [u32; 3],
+        level: usize,
+        pruned: &Pruned,
+        parent_length: usize,
+    ) -> Option<Cell> {
+        let &Pruned { ref list, distance } = pruned;
+        let is_divisible = level < SPLITS.len() && 5 * list.len() < 4 * parent_length;
+        let (centre, edge) = (self.pruner.centre(place, Self::shift(level)), self.pruner.size(Self::shift(level)));
+        let mut list = list.clone();
+        if level > 0 {
+            list = self.pruner.prune_by_octants(centre, edge, 1, list);
+        }
+        if list.len() > self.short {
+            if distance.abs() >= FAR * self.pruner.change(edge)
+                && let Some(cell) = self.far_cell(centre, list.clone(), distance)
+            {
+                return Some(cell);
+            }
+            if is_divisible {
+                return self.split(place, level, list);
             }
         }
-        for (lane, first) in firsts.into_iter().enumerate() {
-            // Slope of the final result in the result before a shape.
-            let mut share = 1.0;
-            let mut least = first;
-            for place in (first..keeps.len()).rev().filter(|&place| keeps[place] >> lane & 1 == 1) {
-                let behind = behind[place][lane];
-                if behind >= 0.0 && blend.reach() * share <= self.negligible {
-                    least = place;
-                    break;
-                }
-                share *= remaining_slope(blend, behind / blend.amount.max(1e-6));
+        list = self.pruner.prune_by_octants(centre, edge, 2, list);
+        let list = &self.pruner.stack[list];
+        // Neighbours often have the same list.
+        if self.lists[self.last_list.clone()] != *list {
+            if self.lists.len() + list.len() > self.max_entries {
+                return None;
             }
-            keeps[..least].iter_mut().for_each(|keeps| *keeps &= !(1 << lane));
+            let start = self.lists.len();
+            self.lists.extend(list);
+            self.last_list = start..self.lists.len();
         }
-        (keeps, result)
+        Some(Cell::Near { start: self.last_list.start as u32, length: self.last_list.len() as u32 })
+    }
+
+    fn split(&mut self, place: [u32; 3], level: usize, list: Range<usize>) -> Option<Cell> {
+        let bits = SPLITS[level];
+        let (first, count) = (self.cells.len(), 1 << (3 * bits));
+        if first + count > self.max_cells {
+            return None;
+        }
+        self.cells.resize(first + count, Cell::Near { start: 0, length: 0 });
+        let parent_length = list.len();
+        self.split_octants(place, bits, level, list, parent_length, first)?;
+        Some(Cell::Split { first: first as u32 })
+    }
+
+    /// Builds the children in a cube of them, so that eight neighbours are pruned from the list of their octant.
+    fn split_octants(
+        &mut self,
+        place: [u32; 3],
+        bits: u32,
+        level: usize,
+        list: Range<usize>,
+        parent_length: usize,
+        first: usize,
+    ) -> Option<()> {
+        let top = self.pruner.stack.len();
+        let octants = octants_of(place);
+        let pruned = self.pruner.prune_each(&octants, Self::shift(level + 1) + bits - 1, list);
+        for (place, pruned) in octants.into_iter().zip(&pruned) {
+            if bits > 1 {
+                self.split_octants(place, bits - 1, level, pruned.list.clone(), parent_length, first)?;
+                continue;
+            }
+            let inner = self.pruner.stack.len();
+            let cell = self.build_cell(place, level + 1, pruned, parent_length)?;
+            self.pruner.stack.truncate(inner);
+            let bits = SPLITS[level];
+            let [x, y, z] = place.map(|v| v & ((1 << bits) - 1));
+            self.cells[first + ((((z << bits) + y) << bits) + x) as usize] = cell;
+        }
+        self.pruner.stack.truncate(top);
+        Some(())
     }
 
     /// Makes a cell far from every surface, if its nearest surface point can be found.
-    fn far_cell(&self, centre: [f32; 3], list: &[u32], distance: f32) -> Option<Cell> {
-        let found = self.shape_grid.fold_surface(
-            self.field,
-            list.iter().copied(),
-            Vec3::new(centre[0], centre[1], centre[2]),
-            &|_| 0.5f32,
-        );
+    fn far_cell(&self, centre: [f32; 3], list: Range<usize>, distance: f32) -> Option<Cell> {
+        let Pruner { field, shape_grid, stack, .. } = &self.pruner;
+        let [x, y, z] = centre;
+        let list = stack[list].iter().copied();
+        let found = shape_grid.fold_surface(field, list, Vec3::new(x, y, z), &|_| 0.5f32);
         let gradient = found.field.gradient;
         let steepness = gradient.length();
         if !(steepness > 1e-3 && steepness.is_finite()) {
@@ -435,13 +633,18 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Prunes the distances of a sharp union at eight points, as [`Builder::prune_smooth`].
-fn prune_sharp(distances: &[f32x8], change: f32x8) -> (Vec<u32>, f32x8) {
-    let least = distances.iter().fold(f32x8::splat(f32::INFINITY), |least, &distance| least.fast_min(distance));
-    let keeps = |distance: &f32x8| !distance.simd_gt(least + change).to_bitmask();
-    (distances.iter().map(keeps).collect(), least)
+/// Least of the distances at each point.
+fn least_of(distances: &[f32x8]) -> f32x8 {
+    distances.iter().fold(f32x8::splat(f32::INFINITY), |least, &distance| least.fast_min(distance))
 }
 
+/// Lanes whose bit is set.
+fn lanes_of(bits: u8) -> f32x8 {
+    const LANE: [f32; 8] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
+    // The bits below each lane's are less than it.
+    let low = std::array::from_fn(|k| (u32::from(bits) & (1 << k)) as f32);
+    f32x8::from(low).simd_ge(f32x8::from(LANE))
+}
 /// Eight octants of a cell.
 fn octants_of([x, y, z]: [u32; 3]) -> [[u32; 3]; 8] {
     std::array::from_fn(|k| [2 * x + (k as u32 & 1), 2 * y + (k as u32 >> 1 & 1), 2 * z + (k as u32 >> 2)])
@@ -460,15 +663,15 @@ fn cutoff(blend: Blend, negligible: f32) -> f32 {
 }
 
 /// Largest slope of a blend in its farther distance, which is at least so many widths behind.
-fn remaining_slope(blend: Blend, behind: f32) -> f32 {
-    if behind < 0.0 {
-        return 1.0;
-    }
-    let behind = behind.min(1.0);
-    match blend.profile {
-        BlendProfile::Soft => 0.5 * (1.0 - behind),
-        BlendProfile::Round => 0.5 * (1.0 - behind / (2.0 - behind * behind).sqrt()),
-        BlendProfile::Chamfer => 0.5,
-        BlendProfile::Stairs => 1.0,
-    }
+fn remaining_slope(blend: Blend, behind: f32x8) -> f32x8 {
+    let half = f32x8::splat(0.5);
+    let is_ahead = behind.simd_lt(f32x8::ZERO);
+    let behind = behind.fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+    let slope = match blend.profile {
+        BlendProfile::Soft => half * (f32x8::ONE - behind),
+        BlendProfile::Round => half * (f32x8::ONE - behind / (f32x8::splat(2.0) - behind * behind).sqrt()),
+        BlendProfile::Chamfer => half,
+        BlendProfile::Stairs => f32x8::ONE,
+    };
+    Real::select(Mask8(is_ahead), f32x8::ONE, slope)
 }

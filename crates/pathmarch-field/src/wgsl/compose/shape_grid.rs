@@ -97,11 +97,11 @@ impl Composer<'_> {
         let field = self.field;
         let kinds: Vec<String> = self.shape_grid_kinds().into_iter().map(|(name, _)| name).collect();
         for (shape_grid, header) in field.shape_grids().iter().zip(self.shape_grid_starts.clone()) {
-            let grid = shape_grid.grid(field);
+            let (grid, all) = (shape_grid.grid(field), shape_grid.all_cells(field));
             let records: Vec<f32> =
                 (0..).zip(&shape_grid.leaves).map(|(number, &leaf)| self.record(&kinds, number, leaf)).collect();
             let cells = self.parameters.len();
-            for cell in &grid.cells {
+            for cell in &all.cells {
                 self.parameters.extend(match *cell {
                     Cell::Split { first } => [[0.0, first as f32, 0.0, 0.0], [0.0; 4]],
                     Cell::Near { start, length } => [[1.0, start as f32, length as f32, 0.0], [0.0; 4]],
@@ -111,12 +111,12 @@ impl Composer<'_> {
                 });
             }
             let lists = self.parameters.len();
-            for numbers in grid.lists.chunks(4) {
+            for numbers in all.lists.chunks(4) {
                 let record = |k: usize| numbers.get(k).map_or(0.0, |&number| records[number as usize]);
                 self.parameters.push(std::array::from_fn(record));
             }
             let blend = shape_grid.smooth.map_or([0.0; 2], |blend| [blend.amount, blend.steps]);
-            let ([x, y, z], roots, bounds) = (grid.min, grid.roots.map(|count| count as f32), shape_grid.bounds);
+            let ([x, y, z], roots, bounds) = (grid.min, grid.counts.map(|count| count as f32), shape_grid.bounds);
             self.parameters[header..header + HEADER].copy_from_slice(&[
                 [x, y, z, grid.edge],
                 [roots[0], roots[1], roots[2], shape_grid.first_choice as f32],
