@@ -21,6 +21,7 @@ use pathmarch_scene::textures::{MeshAttributes, Spot};
 use std::f32::consts::{PI, TAU};
 
 /// Sample of a light, before visibility.
+#[derive(Clone, Copy)]
 pub(crate) struct LightSample {
     /// Unit vector towards the light, in world space.
     pub(crate) direction: Vec3,
@@ -42,9 +43,9 @@ pub(crate) struct LightSample {
 /// Light with the probability of choosing it at a point.
 pub(super) struct ChosenLight<'a> {
     pub(super) shape: &'a LightShape,
-    pmf: f32,
+    pub(super) pmf: f32,
     /// One over `pmf`.
-    inverse_pmf: f32,
+    pub(super) inverse_pmf: f32,
 }
 
 /// Chooses a light for a point with a uniform number. `normal` is the unit normal of a surface that is lit on this side only;
@@ -179,7 +180,7 @@ pub(super) fn sample_direction(
 shared_constants! {
     /// Length of a shadow ray divided by the distance of the light's surface, so that the ray does not hit the light
     /// itself.
-    const SHADOW_RAY_SHARE: f32 = 0.9999;
+    pub(super) const SHADOW_RAY_SHARE: f32 = 0.9999;
 }
 
 /// Samples a direction from `p` in the cone that a sphere subtends. Returns it, 1 - cosine of the cone's half angle,
