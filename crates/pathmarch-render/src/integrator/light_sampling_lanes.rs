@@ -3,50 +3,29 @@
 //!
 //! Spheres, rectangles and points are sampled side by side, lights of other kinds one by one.
 
-use super::light_sampling::{ChosenLight, LightSample, SHADOW_RAY_SHARE, sample_direction};
+use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, sample_direction};
 use crate::intersect::ray::{lanes, mask_of, pack, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::TraceContext;
 use crate::scene::light::{LightShape, PointLight, SheetLight, SphereLight};
-use glam::Vec3;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
+use pathmarch_scene::DirectLighting;
 use std::f32::consts::TAU;
 use wide::f32x8;
 
-/// Light samples of eight points; see [`LightSample`].
+/// Light samples of eight points; see [`LightSample`](super::light_sampling::LightSample).
 pub(super) struct LightSamples {
     pub(super) direction: FieldVec3<f32x8>,
+    pub(super) distance: f32x8,
     pub(super) irradiance: FieldVec3<f32x8>,
-    distance: f32x8,
-    pdf: f32x8,
+    pub(super) pdf: f32x8,
     /// Lanes with a sample.
     pub(super) exist: Mask8,
-    others: [Option<LightSample>; 8],
 }
 
 impl LightSamples {
-    /// Sample of a lane of `lights`; the caller ensures that it exists.
-    pub(super) fn of_lane(&self, lane: usize, light: &ChosenLight, direction: Vec3, irradiance: Vec3) -> LightSample {
-        if let Some(sample) = self.others[lane] {
-            return sample;
-        }
-        let target = match light.shape {
-            LightShape::Bounded(sphere) => Some(sphere.leaf),
-            _ => None,
-        };
-        LightSample {
-            direction,
-            distance: self.distance.to_array()[lane],
-            irradiance,
-            pdf: self.pdf.to_array()[lane],
-            target,
-            penumbra: light.shape.penumbra(),
-            weight: 1.0,
-        }
-    }
-
     /// Replaces lanes.
-    fn set(&mut self, lanes: Mask8, sample: Sample8) {
+    fn set(&mut self, lanes: Mask8, sample: &Self) {
         let select = |new: f32x8, old: f32x8| Real::select(lanes, new, old);
         let select_vector = |new: FieldVec3<f32x8>, old: FieldVec3<f32x8>| {
             FieldVec3::new(select(new.x, old.x), select(new.y, old.y), select(new.z, old.z))
@@ -57,15 +36,6 @@ impl LightSamples {
         self.pdf = select(sample.pdf, self.pdf);
         self.exist = self.exist | lanes & sample.exist;
     }
-}
-
-/// Samples of eight lights of one kind. The choice of the light is not yet in pdf and irradiance.
-struct Sample8 {
-    direction: FieldVec3<f32x8>,
-    distance: f32x8,
-    irradiance: FieldVec3<f32x8>,
-    pdf: f32x8,
-    exist: Mask8,
 }
 
 /// Lights of one kind, where the others are replaced by one of them, and the lanes of this kind. `None` if there is none.
@@ -111,23 +81,17 @@ pub(super) fn sample_directions(
     position: [f32x8; 2],
 ) -> LightSamples {
     let zero = FieldVec3::splat(f32x8::ZERO);
-    let mut samples = LightSamples {
-        direction: zero,
-        irradiance: zero,
-        distance: f32x8::ZERO,
-        pdf: f32x8::ZERO,
-        exist: mask_of(0),
-        others: [None; 8],
-    };
+    let mut samples =
+        LightSamples { direction: zero, irradiance: zero, distance: f32x8::ZERO, pdf: f32x8::ZERO, exist: mask_of(0) };
     if let Some((spheres, lanes)) = of_kind(lights, sphere) {
         let bounded = mask_where(|lane| matches!(shape_of(&lights[lane]), Some(LightShape::Bounded(_))));
-        samples.set(lanes, sample_spheres(spheres, bounded, p, position));
+        samples.set(lanes, &sample_spheres(spheres, bounded, p, position));
     }
     if let Some((sheets, lanes)) = of_kind(lights, rect) {
-        samples.set(lanes, sample_rects(sheets, p, position));
+        samples.set(lanes, &sample_rects(sheets, p, position));
     }
     if let Some((points, lanes)) = of_kind(lights, point) {
-        samples.set(lanes, sample_points(points, p));
+        samples.set(lanes, &sample_points(points, p));
     }
     let pmf = lanes(|lane| lights[lane].as_ref().map_or(0.0, |light| light.pmf));
     let inverse_pmf = lanes(|lane| lights[lane].as_ref().map_or(0.0, |light| light.inverse_pmf));
@@ -141,13 +105,13 @@ pub(super) fn sample_directions(
     samples
 }
 
-/// Samples spheres in the cones that they subtend; see [`sample_direction`].
+/// Samples spheres in the cones that they subtend; see [`sample_direction`]. The choice of the lights is not in pdf and irradiance.
 fn sample_spheres(
     spheres: [&SphereLight; 8],
     bounded: Mask8,
     p: FieldVec3<f32x8>,
     position: [f32x8; 2],
-) -> Sample8 {
+) -> LightSamples {
     let (zero, one, two) = (f32x8::ZERO, f32x8::ONE, f32x8::splat(2.0));
     let radius = lanes(|lane| spheres[lane].radius);
     let offset = pack(spheres.map(|sphere| sphere.centre)) - p;
@@ -168,7 +132,7 @@ fn sample_spheres(
     let half_chord = (radius * radius - across.dot(across)).fast_max(zero).sqrt();
     let entry = Real::select(Mask8(along.simd_gt(half_chord)), along - half_chord, along + half_chord);
     let solid_angle = f32x8::splat(TAU) * one_minus_cos;
-    Sample8 {
+    LightSamples {
         direction,
         distance: Real::select(bounded, f32x8::splat(f32::INFINITY), entry * f32x8::splat(SHADOW_RAY_SHARE)),
         irradiance: pack(spheres.map(|sphere| sphere.radiance)) * solid_angle,
@@ -185,8 +149,8 @@ fn normalize_or_up(offset: FieldVec3<f32x8>, square: f32x8) -> FieldVec3<f32x8> 
     FieldVec3::new(unit.x, Real::select(is_long, unit.y, f32x8::ONE), unit.z)
 }
 
-/// Samples rectangles by area; see [`sample_direction`].
-fn sample_rects(sheets: [&SheetLight; 8], p: FieldVec3<f32x8>, position: [f32x8; 2]) -> Sample8 {
+/// Samples rectangles by area, like [`sample_spheres`].
+fn sample_rects(sheets: [&SheetLight; 8], p: FieldVec3<f32x8>, position: [f32x8; 2]) -> LightSamples {
     let [u, v] = position.map(|value| value + value - f32x8::ONE);
     let [x, z] = [0, 1].map(|axis| pack(sheets.map(|sheet| sheet.axes[axis])));
     let offset = pack(sheets.map(|sheet| sheet.centre)) + x * u + z * v - p;
@@ -195,7 +159,7 @@ fn sample_rects(sheets: [&SheetLight; 8], p: FieldVec3<f32x8>, position: [f32x8;
     let direction = offset * (f32x8::ONE / distance);
     let cosine = -pack(sheets.map(|sheet| sheet.normal)).dot(direction);
     let solid_angle = lanes(|lane| sheets[lane].area) * cosine / square;
-    Sample8 {
+    LightSamples {
         direction,
         distance: distance * f32x8::splat(SHADOW_RAY_SHARE),
         irradiance: pack(sheets.map(|sheet| sheet.radiance)) * solid_angle,
@@ -204,12 +168,12 @@ fn sample_rects(sheets: [&SheetLight; 8], p: FieldVec3<f32x8>, position: [f32x8;
     }
 }
 
-/// Directions to points.
-fn sample_points(points: [&PointLight; 8], p: FieldVec3<f32x8>) -> Sample8 {
+/// Directions to points, like [`sample_spheres`].
+fn sample_points(points: [&PointLight; 8], p: FieldVec3<f32x8>) -> LightSamples {
     let offset = pack(points.map(|point| point.position)) - p;
     let distance = offset.length();
     let inverse = f32x8::ONE / distance;
-    Sample8 {
+    LightSamples {
         direction: offset * inverse,
         distance,
         irradiance: pack(points.map(|point| point.radiant_intensity)) * (inverse * inverse),
@@ -230,15 +194,29 @@ fn sample_others(
 ) {
     let (p, [u, v]) = (unpack(p), position.map(f32x8::to_array));
     let (mut direction, mut irradiance) = (unpack(samples.direction), unpack(samples.irradiance));
-    let mut exist = 0;
+    let (mut distance, mut pdf, mut exist) = (samples.distance.to_array(), samples.pdf.to_array(), 0);
     for (lane, light) in lights.iter().enumerate().filter(|(_, light)| is_other(light)) {
         let sample = light.as_ref().and_then(|light| sample_direction(ctx, light, p[lane], [u[lane], v[lane]]));
         if let Some(sample) = sample {
             (direction[lane], irradiance[lane]) = (sample.direction, sample.irradiance);
+            (distance[lane], pdf[lane]) = (sample.distance, sample.pdf);
             exist |= 1 << lane;
-            samples.others[lane] = Some(sample);
         }
     }
     (samples.direction, samples.irradiance) = (pack(direction), pack(irradiance));
+    (samples.distance, samples.pdf) = (distance.into(), pdf.into());
     samples.exist = samples.exist | mask_of(exist);
+}
+
+/// MIS weights of light sampling; see [`sample_weight`](super::light_sampling::sample_weight).
+pub(super) fn sample_weights(search: DirectLighting, light_pdf: f32x8, scatter_pdf: f32x8) -> f32x8 {
+    let weight = match search {
+        DirectLighting::Mis => {
+            let ratio = scatter_pdf / light_pdf.fast_max(f32x8::splat(1e-30));
+            f32x8::ONE / (f32x8::ONE + ratio * ratio)
+        }
+        DirectLighting::LightSampling => f32x8::ONE,
+        DirectLighting::BsdfSampling => f32x8::ZERO,
+    };
+    Real::select(Mask8(light_pdf.simd_le(f32x8::ZERO)), f32x8::ONE, weight)
 }

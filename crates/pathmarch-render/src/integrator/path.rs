@@ -227,9 +227,7 @@ fn scatter(
             Vertex::Surface(interaction) => {
                 shade(ctx, path, interaction, &samples, surface_index, radiance, &mut shadow_tests)
             }
-            Vertex::Medium => {
-                media_segment::scatter(ctx, path, surface_index, samples.scatter, samples.choice[1])
-            }
+            Vertex::Medium => media_segment::scatter(ctx, path, surface_index, samples.scatter, samples.choice[1]),
         };
         *scatters = next_ray.is_some();
     }
@@ -351,8 +349,7 @@ fn shade(
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
     let carried = (&mut path.wavelength, &mut path.throughput);
-    let refracting =
-        refracting_parameters(ctx, &path.medium, interaction.leaf, parameters, carried, || wavelength);
+    let refracting = refracting_parameters(ctx, &path.medium, interaction.leaf, parameters, carried, || wavelength);
     let parameters = refracting.as_ref().unwrap_or(parameters);
     // Shading normal; the geometric normal decides on which side a direction is.
     let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
@@ -381,18 +378,11 @@ fn shade(
             if (wi.z > 0.0 || transmits) && !crosses_surface(wi, light.direction) {
                 let evaluated = (bsdf.eval)(parameters, wo, wi, inside);
                 if evaluated.value.max_element() > 0.0 {
+                    let radiance = path.throughput * evaluated.value * light.irradiance;
+                    let origin = p + if is_transmission { -normal_offset } else { normal_offset };
                     shadow_tests.push(ShadowTest {
-                        slot: path.slot,
-                        radiance: path.throughput * evaluated.value * light.irradiance,
-                        scatter_pdf: evaluated.pdf,
-                        ray: Ray {
-                            origin: p + if is_transmission { -normal_offset } else { normal_offset },
-                            direction: light.direction,
-                        },
-                        light,
-                        path_length: path.length,
                         medium: if is_transmission { medium_beyond_surface(&path.medium) } else { path.medium },
-                        sampler: path.sampler,
+                        ..ShadowTest::new(ctx, path, origin, &light, (radiance, evaluated.pdf))
                     });
                 }
             }

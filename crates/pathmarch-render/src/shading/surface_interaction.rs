@@ -78,10 +78,8 @@ pub(crate) fn surface_interactions(
         let inside = Real::select(on_surface, -outward.dot(rays.direction), field.value).simd_lt(f32x8::ZERO);
         let normal = outward * Real::select(Mask8(inside), f32x8::splat(-1.0), f32x8::ONE);
         let clearance = lanes(|lane| meshes[lane].map_or(0.0, |mesh| mesh.clearance));
-        let (p, normal_offset) = (
-            unpack(hit_point - outward * residual),
-            unpack(normal * (start_offset(rounding, residual) + clearance)),
-        );
+        let (p, normal_offset) =
+            (unpack(hit_point - outward * residual), unpack(normal * (start_offset(rounding, residual) + clearance)));
         let (normal, outward, inside) = (unpack(normal), unpack(outward), inside.to_bitmask());
         result.extend(chunk.iter().enumerate().map(|(lane, (segment, hit))| {
             let is_back = inside >> lane & 1 == 1;
