@@ -3,7 +3,7 @@
 //! **Cost.** 0.14 to 0.7 of the time in which one sample is traced.
 
 use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
-use super::motion::{Motion, Poses};
+use super::motion::{EarlierPoints, Motion};
 use super::temporal::{History, PixelMean, Samples};
 use super::{
     BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
@@ -18,7 +18,7 @@ use web_time::Instant;
 
 /// Result of a film.
 struct Reconstructed {
-    poses: Poses,
+    scene: Arc<RenderScene>,
     history: History,
     shown: ShownPicture,
 }
@@ -58,7 +58,7 @@ impl PassClock {
 
 /// Film of a sequence, as reconstruction reads it.
 pub(super) struct FilmView<'a> {
-    pub(crate) scene: &'a RenderScene,
+    pub(crate) scene: &'a Arc<RenderScene>,
     pub(crate) frame: &'a FrameUniforms,
     pub(crate) guides: &'a Arc<Vec<Guide>>,
     pub(crate) means: &'a [Vec3],
@@ -88,10 +88,11 @@ impl CpuReconstruction {
             clock.ends("fireflies");
         }
         let past = self.past.as_ref();
-        let poses = Poses::new(scene);
         let changed_past = past.filter(|_| self.changes.scene);
-        let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.poses, &poses));
-        let past_history = past.filter(|_| options.reprojection).map(|past| (&past.history, &motion));
+        let earlier = changed_past.map_or_else(EarlierPoints::default, |past| {
+            Motion::new(&past.scene, scene).earlier_points(guides, frame.pixel)
+        });
+        let past_history = past.filter(|_| options.reprojection).map(|past| (&past.history, &earlier));
         let limits = self.changes.scene.then(|| spatial::plausible_luminances(frame.size(), &irradiance));
         let new = Samples { irradiance: &irradiance, count: samples as f32 };
         let max_length = self.changes.max_history * (1.0 - weight);
@@ -108,7 +109,7 @@ impl CpuReconstruction {
         let last = last.map(|past| Last {
             picture: &past.shown,
             history: &past.history,
-            motion: &motion,
+            earlier: &earlier,
             new_weight: new_weight(samples),
         });
         let shown = antialiased(frame, guides, &clean, size, last);
@@ -119,7 +120,7 @@ impl CpuReconstruction {
         };
         clock.ends("mix with the film");
         self.passes = clock.passes;
-        self.present = Some(Reconstructed { poses, history, shown });
+        self.present = Some(Reconstructed { scene: scene.clone(), history, shown });
         picture
     }
 

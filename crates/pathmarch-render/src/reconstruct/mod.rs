@@ -15,8 +15,7 @@
 //! moves no energy out of highlights; the point in the last picture is validated by its position in space instead of a
 //! depth, and pictures of different sizes share their history.
 //!
-//! **Limits.** `motion` is that of rigid objects; shapes that deform start anew where the point was not on the surface
-//! before. Reflections on rough surfaces and what is seen through glass move with the surface.
+//! **Limits.** Reflections on rough surfaces and what is seen through glass move with the surface.
 
 mod antialiasing;
 mod cpu;
@@ -181,7 +180,7 @@ impl Reconstruction {
             Tracer::Cpu(job) => {
                 let Some(guides) = job.guides() else { return Ok(None) };
                 let (means, samples) = (job.means(), job.samples_done() as u32);
-                let (scene, frame) = (&*input.scene, &input.frame);
+                let (scene, frame) = (&input.scene, &input.frame);
                 let film = FilmView { scene, frame, guides: &guides, means: &means, samples, weight: film_weight };
                 let picture = self.cpu.picture(&film, size, options);
                 let buffer = self.cpu.buffer(options.buffer, size);
@@ -216,7 +215,7 @@ impl Reconstruction {
         let weight = film_weight(tracer.samples_done() as u32, u32::MAX);
         if let Tracer::Cpu(job) = tracer {
             let Some(guides) = job.guides() else { return Ok(None) };
-            let (scene, frame, samples) = (&*input.scene, &input.frame, job.samples_done() as u32);
+            let (scene, frame, samples) = (&input.scene, &input.frame, job.samples_done() as u32);
             let film = FilmView { scene, frame, guides: &guides, means, samples, weight };
             return Ok(Some(self.cpu.picture(&film, size, options)));
         }

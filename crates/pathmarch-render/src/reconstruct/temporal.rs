@@ -1,7 +1,7 @@
 //! Reprojection and temporal accumulation.
 
 use super::luminance;
-use super::motion::Motion;
+use super::motion::{EarlierPoint, EarlierPoints};
 use crate::integrator::guides::{Guide, GuideClass};
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
@@ -110,7 +110,7 @@ impl History {
         frame: &FrameUniforms,
         guides: &Arc<Vec<Guide>>,
         new: Samples,
-        past: Option<(&History, &Motion)>,
+        past: Option<(&History, &EarlierPoints)>,
         max_length: f32,
         limits: Option<&[[f32; 2]]>,
     ) -> Self {
@@ -122,7 +122,8 @@ impl History {
             // Fireflies of a single sample have been spread.
             let square = if samples > 1.0 { guide.square } else { l * l };
             let found = past.filter(|_| max_length > 0.0);
-            let found = found.and_then(|(past, motion)| past.find(&past.sought(guide, motion, frame)));
+            let found =
+                found.and_then(|(past, earlier)| past.find(&past.sought(guide, earlier.at(index, guide), frame)));
             let Some(PixelMean { irradiance: mut old, length, mut moments, before }) = found else {
                 return PixelMean { irradiance, length: samples, moments: [l, square], before: None };
             };
@@ -149,9 +150,9 @@ impl History {
         }
     }
 
-    /// Point of a guide of the picture `frame`, as this picture may show it.
-    pub(super) fn sought(&self, guide: &Guide, motion: &Motion, frame: &FrameUniforms) -> SoughtPoint {
-        let (position, normal) = motion.earlier(guide);
+    /// Point of a guide of the picture `frame`, as this picture may show it, from where it was.
+    pub(super) fn sought(&self, guide: &Guide, earlier: EarlierPoint, frame: &FrameUniforms) -> SoughtPoint {
+        let EarlierPoint { position, normal } = earlier;
         let pixel = guide.length * self.frame.pixel.max(frame.pixel);
         SoughtPoint { position, normal, pixel, surface: surface_of(guide), is_sky: guide.class == GuideClass::Sky }
     }

@@ -1,7 +1,8 @@
 // import: reconstruct/pass
 // Reprojection and temporal accumulation. Twin of temporal.rs.
 
-/// Divides the radiance of a film by the albedo, and looks up the objects of the guides.
+/// Divides the radiance of a film by the albedo, moves the points of the guides back to the earlier scene, and looks up the
+/// objects of the guides.
 @compute @workgroup_size(8, 8)
 fn divide(@builtin(global_invocation_id) id: vec3u) {
     let position = vec2i(id.xy);
@@ -12,6 +13,13 @@ fn divide(@builtin(global_invocation_id) id: vec3u) {
     let guide = guide_at(pixel);
     let irradiance = film_mean(id.xy, pixel) / divisor(guide);
     estimates[pixel] = vec4f(irradiance, luminance(irradiance));
+    store_earlier(pixel, guide.position, guide.normal);
+    if guide.leaf != NO_LEAF && leaf_motions[guide.leaf].moves != 0u {
+        let motion = leaf_motions[guide.leaf];
+        let rows = mat3x3f(motion.x, motion.y, motion.z);
+        let offset = vec3f(motion.offset_x, motion.offset_y, motion.offset_z);
+        store_earlier(pixel, guide.position * rows * motion.scale + offset, guide.normal * rows);
+    }
     if guide.object != GLOSSY_BIT - 1u {
         let flags = guides[3u * pixel + 2u].x & ~(GLOSSY_BIT - 1u);
         guides[3u * pixel + 2u].x = flags | leaf_motions[guide.object].object;
@@ -37,7 +45,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     if uniforms.max_history <= 0.0 {
         return;
     }
-    var found = find(earlier(guide));
+    var found = find(earlier(guide, pixel), coarser_pixel(guide));
     if found.length <= 0.0 {
         return;
     }
@@ -60,8 +68,9 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     );
 }
 
-/// Mean of the point of a guide in the last picture; its length is 0 if that does not show the point.
-fn find(guide: Guide) -> History {
+/// Mean of the point of an earlier guide in the last picture; its length is 0 if that does not show the point. `side` is that
+/// of a pixel at the point.
+fn find(guide: Guide, side: f32) -> History {
     var found: History;
     found.before = project_before(guide.position);
     let corner = floor(found.before - 0.5);
@@ -74,7 +83,7 @@ fn find(guide: Guide) -> History {
             continue;
         }
         let pixel = u32(place.y) * uniforms.past_width + u32(place.x);
-        if !same_point(guide, past_guide_at(pixel), coarser_pixel(guide)) {
+        if !same_point(guide, past_guide_at(pixel), side) {
             continue;
         }
         let weights = select(1.0 - part, part, offset == vec2i(1));
