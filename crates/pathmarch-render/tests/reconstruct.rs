@@ -229,10 +229,26 @@ fn a_growing_ball_keeps_its_past() {
             pixels.push((column, row));
         }
     }
-    let kept = pixels.iter().filter(|(x, y)| last.history_length.get(*x, *y).is_some_and(|length| length[0] >= 4.0));
+    let kept = pixels.iter().filter(|(x, y)| last.motion.get(*x, *y).is_some_and(|[.., is_known]| is_known == 1.0));
     let share = kept.count() as f32 / pixels.len() as f32;
     println!("{share:.3} of {} pixels of the ball have a past", pixels.len());
     assert!(pixels.len() > 60 && share > 0.95, "{share}");
+}
+
+fn mirror_images_keep_their_past_while_the_camera_moves() {
+    let scene = room();
+    let mut sequence = sequence();
+    let mut last = None;
+    for frame in 0..8 {
+        last = Some(next(&mut sequence, &scene, moved(&scene, 0.04 * frame as f32), frame));
+    }
+    let lengths = last.expect("a frame").history_length;
+    // Pixels of the mirror; those to the left of them show what has just come into sight.
+    let pixels = (28..38).flat_map(|row| (34..38).map(move |column| (column, row)));
+    let found: Vec<[f32; 3]> = pixels.filter_map(|(column, row)| lengths.get(column, row)).collect();
+    let share = found.iter().filter(|length| length[0] >= 6.0).count() as f32 / found.len() as f32;
+    println!("{share:.3} of {} pixels of the mirror have a past", found.len());
+    assert!(found.len() == 40 && share > 0.95, "{share}");
 }
 
 fn both_backends_follow_a_growing_ball(renderers: &mut [Renderer; 2]) {
@@ -258,6 +274,7 @@ tests! {
         uniform_light_stays_as_it_is,
         nothing_stays_where_an_object_was,
         a_growing_ball_keeps_its_past,
+        mirror_images_keep_their_past_while_the_camera_moves,
         light_that_is_switched_off_fades_at_once,
         a_still_picture_of_many_samples_is_not_altered,
     ],

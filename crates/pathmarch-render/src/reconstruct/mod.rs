@@ -48,6 +48,8 @@ shared_constants! {
     const OWN_VARIANCE: f32 = 0.5;
     /// Longest history of an unchanged scene, samples.
     const MAX_HISTORY: f32 = 24.0;
+    /// Largest irradiance whose square is a number.
+    const MAX_IRRADIANCE: f32 = 1e15;
     /// Pixels of motion at which its colour is full.
     const FULL_MOTION: f32 = 32.0;
     /// Index of the picture among the buffers.
@@ -299,6 +301,12 @@ fn settled_weight(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
     let clean = (1.0 - visible).max(0.0);
     let settled = if guide.is_mixed { 1.0 } else { clean * clean };
     settled * (samples / SETTLING_SAMPLES).min(1.0)
+}
+
+/// Irradiance of a mean of the film; 0 if it is not finite, as for rejected samples.
+fn irradiance_of(mean: Vec3, guide: &Guide) -> Vec3 {
+    let irradiance = mean / guide.divisor();
+    if irradiance.is_finite() { irradiance.min(Vec3::splat(MAX_IRRADIANCE)) } else { Vec3::ZERO }
 }
 
 /// Luminance of a linear Rec. 709 colour.

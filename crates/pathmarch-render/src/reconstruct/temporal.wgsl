@@ -11,7 +11,7 @@ fn divide(@builtin(global_invocation_id) id: vec3u) {
     }
     let pixel = pixel_index(position);
     let guide = guide_at(pixel);
-    let irradiance = film_mean(id.xy, pixel) / divisor(guide);
+    let irradiance = min(film_mean(id.xy, pixel) / divisor(guide), vec3f(MAX_IRRADIANCE));
     estimates[pixel] = vec4f(irradiance, luminance(irradiance));
     store_earlier(pixel, guide.position, guide.normal);
     if guide.leaf != NO_LEAF && leaf_motions[guide.leaf].moves != 0u {
@@ -52,9 +52,13 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     if uniforms.scene_changed != 0u {
         let limits = plausible_luminance(position);
         let old = luminance(found.irradiance);
-        let factor = clamp(old, limits.x, limits.y) / max(old, 1e-9);
+        let clamped = clamp(old, limits.x, limits.y);
+        let factor = clamped / max(old, 1e-9);
         found.irradiance *= factor;
         found.moments *= vec2f(factor, factor * factor);
+        // The less of it is plausible, the fewer samples it is worth.
+        let agreement = (min(clamped, old) + 1e-9) / (max(clamped, old) + 1e-9);
+        found.length *= agreement * agreement;
     }
     let is_limited = uniforms.camera_moves != 0u && guide.is_glossy;
     let limit = select(uniforms.max_history, min(uniforms.max_history, MAX_GLOSSY_HISTORY), is_limited);
