@@ -175,6 +175,12 @@ fn a_still_picture_of_many_samples_is_not_altered() {
     assert_eq!(shown.reconstructed, cpu().render(&scene, &still).expect("a film").mean());
 }
 
+/// Share of the pixels whose channels differ by less than 0.1.
+fn share_of_equal(a: &Picture, b: &Picture) -> f64 {
+    let equal = |(a, b): &(&[f32; 3], &[f32; 3])| (0..3).all(|k| (a[k] - b[k]).abs() < 0.1);
+    a.pixels.iter().zip(&b.pixels).filter(equal).count() as f64 / a.pixels.len() as f64
+}
+
 fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
     let at = |x: f32| Arc::new(parse(&ROOM.replace("at 0.5 0.4 0.3", &format!("at {x} 0.4 0.3"))));
     let balls = [at(0.5), at(0.53), at(0.56), at(0.6)];
@@ -186,10 +192,6 @@ fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
         let [a, b] =
             sequences.each_mut().map(|sequence| sequence.render_upscaled(scene, &settings, size).expect("a picture"));
         let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
-        let share_of_equal = |a: &Picture, b: &Picture| {
-            let equal = |(a, b): &(&[f32; 3], &[f32; 3])| (0..3).all(|k| (a[k] - b[k]).abs() < 0.1);
-            a.pixels.iter().zip(&b.pixels).filter(equal).count() as f64 / a.pixels.len() as f64
-        };
         let lengths = share_of_equal(&a.history_length, &b.history_length);
         let motion = share_of_equal(&a.motion, &b.motion);
         println!("frame {frame}: relMSE {error:.2e}; equal histories {lengths:.4}, motions {motion:.4}");
@@ -204,14 +206,75 @@ fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
     assert!(error < 1e-5, "{error}");
 }
 
+/// The room, with a ball of this radius.
+fn room_with_ball(radius: f32) -> Arc<Scene> {
+    Arc::new(parse(&ROOM.replace("sphere 0.4 {", &format!("sphere {radius} {{"))))
+}
+
+fn a_growing_ball_keeps_its_past() {
+    let mut sequence = sequence();
+    let mut last = None;
+    for frame in 0..6 {
+        let scene = room_with_ball(0.1 + 0.12 * frame as f32);
+        last = Some(next(&mut sequence, &scene, moved(&scene, 0.0), frame));
+    }
+    let last = last.expect("a frame");
+    // Pixels in the middle of the ball, whose centre is at (0.5, 0.4, 0.3).
+    let (x, y) = (48.0 + 0.5 / 4.7 * 27.0 / 0.268, 27.0 + 0.5 / 4.7 * 27.0 / 0.268);
+    let radius = 0.34 / 4.7 * 27.0 / 0.268;
+    let inside = |column: u32, row: u32| (column as f32 + 0.5 - x).hypot(row as f32 + 0.5 - y) < radius;
+    let mut pixels = Vec::new();
+    for (column, row) in (0..SIZE[1]).flat_map(|row| (0..SIZE[0]).map(move |column| (column, row))) {
+        if inside(column, row) {
+            pixels.push((column, row));
+        }
+    }
+    let kept = pixels.iter().filter(|(x, y)| last.motion.get(*x, *y).is_some_and(|[.., is_known]| is_known == 1.0));
+    let share = kept.count() as f32 / pixels.len() as f32;
+    println!("{share:.3} of {} pixels of the ball have a past", pixels.len());
+    assert!(pixels.len() > 60 && share > 0.95, "{share}");
+}
+
+fn mirror_images_keep_their_past_while_the_camera_moves() {
+    let scene = room();
+    let mut sequence = sequence();
+    let mut last = None;
+    for frame in 0..8 {
+        last = Some(next(&mut sequence, &scene, moved(&scene, 0.04 * frame as f32), frame));
+    }
+    let lengths = last.expect("a frame").history_length;
+    // Pixels of the mirror; those to the left of them show what has just come into sight.
+    let pixels = (28..38).flat_map(|row| (34..38).map(move |column| (column, row)));
+    let found: Vec<[f32; 3]> = pixels.filter_map(|(column, row)| lengths.get(column, row)).collect();
+    let share = found.iter().filter(|length| length[0] >= 6.0).count() as f32 / found.len() as f32;
+    println!("{share:.3} of {} pixels of the mirror have a past", found.len());
+    assert!(found.len() == 40 && share > 0.95, "{share}");
+}
+
+fn both_backends_follow_a_growing_ball(renderers: &mut [Renderer; 2]) {
+    let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
+    for frame in 0..5 {
+        let scene = room_with_ball(0.3 + 0.03 * frame as f32);
+        let settings = settings(&scene, moved(&scene, 0.02 * frame as f32), 1, frame);
+        let [a, b] = sequences.each_mut().map(|sequence| sequence.render(&scene, &settings).expect("a picture"));
+        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        let lengths = share_of_equal(&a.history_length, &b.history_length);
+        let motion = share_of_equal(&a.motion, &b.motion);
+        println!("frame {frame}: relMSE {error:.2e}; equal histories {lengths:.4}, motions {motion:.4}");
+        assert!(error < 1e-5 && lengths > 0.98 && motion > 0.98, "{frame}: {error} {lengths} {motion}");
+    }
+}
+
 tests! {
     on_each_backend: [sizes_jumps_and_cuts_leave_finite_pictures],
-    on_both_backends: [both_backends_reconstruct_alike],
+    on_both_backends: [both_backends_reconstruct_alike, both_backends_follow_a_growing_ball],
     plain: [
         a_moving_picture_is_clean_and_keeps_its_energy,
         the_first_picture_is_clean_too,
         uniform_light_stays_as_it_is,
         nothing_stays_where_an_object_was,
+        a_growing_ball_keeps_its_past,
+        mirror_images_keep_their_past_while_the_camera_moves,
         light_that_is_switched_off_fades_at_once,
         a_still_picture_of_many_samples_is_not_altered,
     ],

@@ -60,10 +60,30 @@ object "tall box" material="white" { box 0.62 1.25 0.62 { rotate 0 43 0; at -0.6
 object "lamp" material="lamp" { rect 1.3 0.9 { normal 0 -1 0; at 0 1.995 -0.1 } }
 "#;
 
+/// Drops that melt together, and a bar that twists.
+const DEFORMING_OBJECTS: &str = r#"pathmarch 1
+camera { position 0 1.6 4; target 0 0.5 0 }
+render { bounces 3 }
+sky "gradient" { zenith 0.3 0.45 0.7; horizon 0.8 0.85 0.9 }
+sun { direction 1 2 1; irradiance 2; angle 3 }
+material "checker" { diffuse { checker size=0.4 { colour 0.1; colour 0.8 } } }
+material "red" { diffuse 0.7 0.15 0.1 }
+material "blue" { diffuse 0.15 0.3 0.7 }
+object "ground" material="checker" { plane }
+object "drops" material="red" {
+  union smooth="0.1 + 0.4*min(t, 1)" {
+    sphere "0.5 + 0.1*min(t, 1)" { at "-0.9 + 0.4*min(t, 1)" 0.6 0 }
+    sphere 0.45 { at "0.6 - 0.4*min(t, 1)" 0.6 0 }
+  }
+}
+object "bar" material="blue" { twist "120*min(t, 1)" { box 0.35 1.6 0.35; at 1.2 0.8 -0.8 } }
+"#;
+
 /// Built-in flights: name, scene, degrees by which the camera turns.
-const BUILT_IN: [(&str, Source, f32); 6] = [
+const BUILT_IN: [(&str, Source, f32); 7] = [
     ("camera", Source::BuiltIn("cornell"), 12.0),
     ("object", Source::Text(MOVING_OBJECT), 0.0),
+    ("melt", Source::Text(DEFORMING_OBJECTS), 0.0),
     ("light", Source::Text(SWITCHED_LIGHT), 0.0),
     ("glass", Source::BuiltIn("glass-still-life"), 20.0),
     ("fractal", Source::BuiltIn("mandelbulb"), 30.0),

@@ -1,6 +1,6 @@
 //! `pathmarch-measure flights`: error of reconstructed sequences against converged ones.
 //!
-//! **Idea.** Six sequences of 48 frames at one sample of each pixel: one second in motion, one second at rest. Some
+//! **Idea.** Seven sequences of 48 frames at one sample of each pixel: one second in motion, one second at rest. Some
 //! frames are compared with converged pictures of the same moment, before and after reconstruction.
 //!
 //! **Cost.** The references: about two minutes a flight on two cores by default.
@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Flights to measure: camera, object, light, glass, fractal, lights, or scene files, whose camera turns by 20 degrees
+    /// Flights to measure: camera, object, melt, light, glass, fractal, lights, or scene files, whose camera turns by 20 degrees
     /// unless the scene moves by itself [default: all]
     #[arg(value_name = "FLIGHT", value_parser = flight::parse)]
     flights: Vec<Flight>,

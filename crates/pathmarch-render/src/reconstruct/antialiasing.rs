@@ -10,7 +10,7 @@
 //! Engine 4.19 (2018); clamping to mean and deviation: Salvi 2016, "An Excursion
 //! in Temporal Supersampling". Colours stay linear: compressing bright ones would darken the mean.
 
-use super::motion::Motion;
+use super::motion::EarlierPoints;
 use super::temporal::{History, Projection};
 use crate::integrator::guides::Guide;
 use crate::scene::FrameUniforms;
@@ -51,19 +51,19 @@ pub(super) struct ShownPicture {
 pub(super) struct Last<'a> {
     pub(super) picture: &'a ShownPicture,
     pub(super) history: &'a History,
-    pub(super) motion: &'a Motion,
+    pub(super) earlier: &'a EarlierPoints,
     /// Weight of the new picture, see [`new_weight`].
     pub(super) new_weight: f32,
 }
 
 /// Samples of a picture around one of its points.
-struct Neighbourhood<'a> {
+struct Neighbourhood {
     /// Sums of the opponent colours and of their squares, and what fills up their vectors.
     sum: Vec4,
     squares: Vec4,
     count: f32,
-    /// Guide nearest to the camera: edges move with what is in front.
-    nearest: &'a Guide,
+    /// Index of the guide nearest to the camera: edges move with what is in front.
+    nearest: usize,
     /// Colour at the point, and the weight of the sample nearest to it, 0 to 1.
     colour: Vec3,
     weight: f32,
@@ -131,8 +131,8 @@ impl Upscaling<'_> {
     /// Colour of the picture at a point, in pixels of the samples.
     fn pixel(&self, point: [f32; 2], last: Option<Last>) -> Vec3 {
         let Neighbourhood { sum, squares, count, nearest, colour: new, weight } = self.around(point);
-        let Some(Last { picture: shown, history, motion, new_weight }) = last else { return new };
-        let Some(position) = self.before(point, nearest, history, motion) else { return new };
+        let Some(Last { picture: shown, history, earlier, new_weight }) = last else { return new };
+        let Some(position) = self.before(point, nearest, history, earlier) else { return new };
         let sampled = history.frame.size();
         let old = shown.cubic(std::array::from_fn(|k| position[k] * shown.size[k] as f32 / sampled[k] as f32));
         let mean = sum.xyz() / count;
@@ -144,10 +144,11 @@ impl Upscaling<'_> {
         old.lerp(new, (new_weight * weight).max(MIN_WEIGHT))
     }
 
-    /// Position of a point in the last picture, if it moves as this guide does; `None` outside, and where the surface of the
-    /// guide was hidden. Both positions are in pixels of the samples.
-    fn before(&self, point: [f32; 2], guide: &Guide, history: &History, motion: &Motion) -> Option<[f32; 2]> {
-        let sought = history.sought(guide, motion, self.frame);
+    /// Position of a point in the last picture, if it moves as the sample of this index does; `None` outside, and where the
+    /// surface of the sample was hidden. Both positions are in pixels of the samples.
+    fn before(&self, point: [f32; 2], index: usize, history: &History, earlier: &EarlierPoints) -> Option<[f32; 2]> {
+        let guide = &self.guides[index];
+        let sought = history.sought(guide, earlier.at(index, guide), self.frame);
         let [old, new] = [history.projection.project(sought.position)?, self.projection.project(guide.position)?];
         // Pictures may differ in size.
         let size = [history.frame.width as f32, history.frame.height as f32];
@@ -158,7 +159,7 @@ impl Upscaling<'_> {
     }
 
     /// Samples of the nine pixels around a point.
-    fn around(&self, point: [f32; 2]) -> Neighbourhood<'_> {
+    fn around(&self, point: [f32; 2]) -> Neighbourhood {
         let [width, height] = self.frame.size().map(|side| side as usize);
         let (x, y) = ((point[0] as usize).min(width - 1), (point[1] as usize).min(height - 1));
         let centre = y * width + x;
@@ -188,7 +189,7 @@ impl Upscaling<'_> {
         } else {
             (colour, total) = (self.samples[centre], 1.0);
         }
-        Neighbourhood { sum, squares, count, nearest: &self.guides[nearest], colour, weight: total }
+        Neighbourhood { sum, squares, count, nearest, colour, weight: total }
     }
 
     /// Weight of a sample at this distance, in pixels of the samples: a Gaussian.

@@ -24,14 +24,14 @@ fn colour_of(opponent: vec3f) -> vec3f {
     );
 }
 
-/// True if the last picture shows the point of a guide at a position or next to it.
-fn shown_before(guide: Guide, position: vec2f) -> bool {
+/// True if the last picture shows the point of an earlier guide at a position or next to it. `side` is that of a pixel at the
+/// point.
+fn shown_before(guide: Guide, side: f32, position: vec2f) -> bool {
     let size = vec2i(i32(uniforms.past_width), i32(uniforms.past_height));
-    let pixel = coarser_pixel(guide);
     for (var k = 0; k < 9; k++) {
         let place = vec2i(position) + vec2i(k % 3 - 1, k / 3 - 1);
         if all(place >= vec2i(0)) && all(place < size)
-            && same_point(guide, past_guide_at(u32(place.y) * uniforms.past_width + u32(place.x)), pixel) {
+            && same_point(guide, past_guide_at(u32(place.y) * uniforms.past_width + u32(place.x)), side) {
             return true;
         }
     }
@@ -90,6 +90,7 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     var count = 0.0;
     // Edges move with what is in front.
     var nearest = guide_at(pixel_index(centre));
+    var nearest_pixel = pixel_index(centre);
     var colour = sample_at(pixel_index(centre), nearest);
     var weighted = vec3f(0.0);
     var total = 0.0;
@@ -103,6 +104,7 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
         let there = sample_at(pixel_index(place), guide);
         if path_length(guide) < path_length(nearest) {
             nearest = guide;
+            nearest_pixel = pixel_index(place);
         }
         let opponent = opponent_of(there);
         sum += opponent;
@@ -129,7 +131,7 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     if uniforms.antialiases == 0u {
         return;
     }
-    let before = earlier(nearest);
+    let before = earlier(nearest, nearest_pixel);
     let old_position = project_before(before.position);
     let new_position = project(nearest.position);
     if old_position.x < -1e8 || new_position.x < -1e8 {
@@ -137,7 +139,7 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     }
     let past_traced = vec2f(f32(uniforms.past_width), f32(uniforms.past_height));
     let place = (point - new_position) * past_traced / traced + old_position;
-    if any(place < vec2f(0.0)) || any(place >= past_traced) || !shown_before(before, place) {
+    if any(place < vec2f(0.0)) || any(place >= past_traced) || !shown_before(before, coarser_pixel(nearest), place) {
         return;
     }
     let past_shown = vec2f(f32(uniforms.past_shown_width), f32(uniforms.past_shown_height));

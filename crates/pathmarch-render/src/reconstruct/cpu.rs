@@ -3,11 +3,11 @@
 //! **Cost.** 0.14 to 0.7 of the time in which one sample is traced.
 
 use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
-use super::motion::{Motion, Poses};
+use super::motion::{EarlierPoints, Motion};
 use super::temporal::{History, PixelMean, Samples};
 use super::{
     BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
-    film_variance, luminance, motions, settled_weight, settles, spatial,
+    film_variance, irradiance_of, luminance, motions, settled_weight, settles, spatial,
 };
 use crate::integrator::guides::Guide;
 use crate::scene::{FrameUniforms, RenderScene};
@@ -18,7 +18,7 @@ use web_time::Instant;
 
 /// Result of a film.
 struct Reconstructed {
-    poses: Poses,
+    scene: Arc<RenderScene>,
     history: History,
     shown: ShownPicture,
 }
@@ -58,7 +58,7 @@ impl PassClock {
 
 /// Film of a sequence, as reconstruction reads it.
 pub(super) struct FilmView<'a> {
-    pub(crate) scene: &'a RenderScene,
+    pub(crate) scene: &'a Arc<RenderScene>,
     pub(crate) frame: &'a FrameUniforms,
     pub(crate) guides: &'a Arc<Vec<Guide>>,
     pub(crate) means: &'a [Vec3],
@@ -80,7 +80,7 @@ impl CpuReconstruction {
     pub(super) fn picture(&mut self, film: &FilmView, size: [u32; 2], options: &ReconstructOptions) -> Vec<Vec3> {
         let &FilmView { scene, frame, guides, means, samples, weight } = film;
         let mut clock = PassClock::default();
-        let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| *mean / guide.divisor());
+        let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| irradiance_of(*mean, guide));
         let mut irradiance: Vec<Vec3> = divided.collect();
         clock.ends("division by the albedo");
         if options.firefly_filter {
@@ -88,10 +88,11 @@ impl CpuReconstruction {
             clock.ends("fireflies");
         }
         let past = self.past.as_ref();
-        let poses = Poses::new(scene);
         let changed_past = past.filter(|_| self.changes.scene);
-        let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.poses, &poses));
-        let past_history = past.filter(|_| options.reprojection).map(|past| (&past.history, &motion));
+        let earlier = changed_past.map_or_else(EarlierPoints::default, |past| {
+            Motion::new(&past.scene, scene).earlier_points(guides, frame.pixel)
+        });
+        let past_history = past.filter(|_| options.reprojection).map(|past| (&past.history, &earlier));
         let limits = self.changes.scene.then(|| spatial::plausible_luminances(frame.size(), &irradiance));
         let new = Samples { irradiance: &irradiance, count: samples as f32 };
         let max_length = self.changes.max_history * (1.0 - weight);
@@ -108,7 +109,7 @@ impl CpuReconstruction {
         let last = last.map(|past| Last {
             picture: &past.shown,
             history: &past.history,
-            motion: &motion,
+            earlier: &earlier,
             new_weight: new_weight(samples),
         });
         let shown = antialiased(frame, guides, &clean, size, last);
@@ -119,7 +120,7 @@ impl CpuReconstruction {
         };
         clock.ends("mix with the film");
         self.passes = clock.passes;
-        self.present = Some(Reconstructed { poses, history, shown });
+        self.present = Some(Reconstructed { scene: scene.clone(), history, shown });
         picture
     }
 
@@ -216,6 +217,42 @@ fn deviation_code(&PixelMean { moments: [mean, square], length, .. }: &PixelMean
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::RenderInput;
+    use crate::settings::Settings;
+    use pathmarch_scene::Scene;
+
+    /// Pictures of a film whose sample of pixel 528 is this, and then is 1 as all others.
+    fn pictures_after(speck: Vec3) -> Vec<Vec<Vec3>> {
+        let text =
+            "pathmarch 1\ncamera { position 0 0 3; target 0 0 0 }\nsky 1\nobject \"wall\" { rect 9 { normal 0 0 1 } }";
+        let scene = Scene::parse("test.kdl", text).expect("a scene");
+        let input = RenderInput::new(&scene, &Settings { size: [32, 32], ..Settings::of(&scene) });
+        let pixels: Vec<(u32, u32)> = (0..1024).map(|index| (index % 32, index / 32)).collect();
+        let guides = Arc::new(input.sample_with_guides(&input.context(None), &pixels, 0).1);
+        let mut reconstruction = CpuReconstruction::default();
+        let mut picture = |number: u32| {
+            let mut means = vec![Vec3::ONE; 1024];
+            means[528] = if number == 2 { speck } else { Vec3::ONE };
+            let (scene, frame) = (&input.scene, &input.frame);
+            reconstruction.start_film(false);
+            let film = FilmView { scene, frame, guides: &guides, means: &means, samples: 1, weight: 0.0 };
+            reconstruction.picture(&film, [32, 32], &ReconstructOptions::default())
+        };
+        (0..12).map(&mut picture).collect()
+    }
+
+    #[test]
+    fn samples_that_are_no_numbers_leave_no_trail() {
+        for speck in [f32::NAN, f32::INFINITY, -f32::INFINITY] {
+            let pictures = pictures_after(Vec3::new(speck, 1.0, 1.0));
+            for picture in &pictures {
+                assert!(picture.iter().all(|colour| (*colour - 1.0).abs().max_element() < 0.1), "{speck}");
+            }
+        }
+        // The largest numbers that the film keeps are spread, and stay numbers.
+        let pictures = pictures_after(Vec3::splat(1e30));
+        assert!(pictures.iter().flatten().all(|colour| colour.is_finite()));
+    }
 
     #[test]
     fn the_film_counts_where_its_noise_does_not_explain_the_difference() {

@@ -4,9 +4,9 @@
 //! there twice, for the present film and for the one before. All of it stays on the device; the picture comes back as four
 //! bytes a pixel.
 //!
-//! **Cost.** 280 bytes of memory for each pixel, those of the tracer's guides included. A film whose buffers the device cannot allocate is not reconstructed.
+//! **Cost.** 296 bytes of memory for each pixel, those of the tracer's guides included. A film whose buffers the device cannot allocate is not reconstructed.
 
-use super::motion::{LeafMotion, Motion, Poses};
+use super::motion::{self, LeafMotion, Motion};
 use super::spatial::STEPS;
 use super::temporal::camera_moves;
 use super::{Changes, PassTime, PixelHistory, ReconstructOptions, antialiasing, settles, spatial, temporal};
@@ -15,9 +15,11 @@ use crate::backend::gpu::shaders::{ShaderFile, shader_files, with_imports};
 use crate::backend::gpu::{Device, GpuContext, GpuTimer, ReconstructedFilm};
 use crate::error::RenderError;
 use crate::output::tonemap::{self, Display};
-use crate::scene::FrameUniforms;
+use crate::scene::{FrameUniforms, RenderScene};
 use crate::wgsl::{declaration, shared_struct};
 use glam::Vec3;
+use pathmarch_field::Field;
+use pathmarch_field::wgsl::Program;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -74,9 +76,10 @@ shared_struct! {
 
 static FILES: &[ShaderFile] = shader_files![
     "reconstruct/antialiasing" shares antialiasing::shared_wgsl,
+    "reconstruct/deformation",
     "reconstruct/pass" shares || {
         [declaration::<PassUniforms>(), declaration::<LeafMotion>(), super::shared_wgsl(), temporal::shared_wgsl(),
-            spatial::shared_wgsl()].concat()
+            spatial::shared_wgsl(), motion::shared_wgsl()].concat()
     },
     "reconstruct/show" shares tonemap::wgsl,
     "reconstruct/spatial",
@@ -96,6 +99,39 @@ struct Passes {
     compare_with_film: wgpu::ComputePipeline,
     mix_with_film: wgpu::ComputePipeline,
     show: wgpu::ComputePipeline,
+}
+
+/// Kernel that finds the points of objects that deform on their earlier surface; it is that of one structure of them.
+struct DeformationPass {
+    code: String,
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl DeformationPass {
+    /// Code for the objects of an earlier field.
+    fn code(program: &Program) -> String {
+        let parameters =
+            format!("@group(0) @binding(13) var<storage, read> field_parameters: {};\n", program.parameters_type());
+        [&parameters, &program.code, &code("reconstruct/deformation")].map(String::as_str).concat()
+    }
+
+    fn new(device: &Device, code: String) -> Result<Self, RenderError> {
+        let gpu = &device.device;
+        let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
+        let source = wgpu::ShaderSource::Wgsl(code.as_str().into());
+        let label = Some("reconstruct/deformation");
+        let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
+        let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label,
+            layout: None,
+            module: &module,
+            entry_point: Some("find_earlier_surface"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        device.end_scope(validation)?;
+        Ok(Self { code, pipeline })
+    }
 }
 
 /// Code of a shader file with its imports.
@@ -154,6 +190,7 @@ struct Buffers {
     films: [FilmBuffers; 2],
     /// Estimates that a pass reads and those that it writes.
     estimates: [wgpu::Buffer; 2],
+    earlier: wgpu::Buffer,
     screen: wgpu::Buffer,
     copy: wgpu::Buffer,
 }
@@ -164,6 +201,8 @@ const GUIDE_BYTES: u64 = 48;
 const HISTORY_BYTES: u64 = 32;
 /// Bytes of a colour or an estimate.
 const COLOUR_BYTES: u64 = 16;
+/// Bytes of a point in the earlier scene.
+const EARLIER_BYTES: u64 = 16;
 /// Bytes of a pixel of the screen.
 const SCREEN_BYTES: u64 = 4;
 
@@ -192,6 +231,7 @@ impl Buffers {
             pixels,
             films: [film()?, film()?],
             estimates: [buffer("estimates", COLOUR_BYTES, storage)?, buffer("estimates", COLOUR_BYTES, storage)?],
+            earlier: buffer("earlier points", EARLIER_BYTES, storage)?,
             screen: buffer("screen", SCREEN_BYTES, storage)?,
             copy: buffer("screen copy", SCREEN_BYTES, readback)?,
         })
@@ -212,7 +252,7 @@ impl Buffers {
 
 /// What a film showed.
 struct Shown {
-    poses: Poses,
+    scene: Arc<RenderScene>,
     frame: FrameUniforms,
     /// Size of the picture, pixels.
     size: [u32; 2],
@@ -222,6 +262,8 @@ struct Shown {
 pub(super) struct GpuReconstruction {
     device: Arc<GpuContext>,
     passes: Passes,
+    /// Pass for objects that deform; `None` before there were any.
+    deformation: Option<DeformationPass>,
     uniforms: wgpu::Buffer,
     buffers: Option<Buffers>,
     /// Index of the present film's buffers.
@@ -245,6 +287,7 @@ impl GpuReconstruction {
         })?;
         Ok(Self {
             passes: Passes::new(device)?,
+            deformation: None,
             device: device.clone(),
             uniforms,
             buffers: None,
@@ -291,22 +334,39 @@ impl GpuReconstruction {
         if !self.reserve(u64::from(size[0]) * u64::from(size[1])) {
             return Ok(None);
         }
-        let poses = Poses::new(&input.scene);
         let changed_past = self.past.as_ref().filter(|_| self.changes.scene);
-        let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.poses, &poses));
+        let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.scene, &input.scene));
+        let earlier_field = motion.earlier_field.as_ref();
+        let field_parameters = earlier_field.map(|field| self.start_deformation(field)).transpose()?;
         let uniforms = self.uniforms_of(film, &input.frame, weight, size, options, display);
         self.device.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
         let records = motion.records(&input.scene);
-        let leaf_motions = self.device.allocate(&wgpu::BufferDescriptor {
-            label: Some("leaf motions"),
-            size: size_of_val(&*records).max(size_of::<LeafMotion>()) as u64,
+        let leaf_motions = self.uploaded("leaf motions", &records)?;
+        let codes = self.run(film, &leaf_motions, field_parameters.as_ref(), input.frame.size(), size, options)?;
+        self.present = Some(Shown { scene: input.scene.clone(), frame: input.frame, size });
+        Ok(codes)
+    }
+
+    /// Buffer with records, of at least one.
+    fn uploaded<T: bytemuck::Pod>(&self, label: &str, records: &[T]) -> Result<wgpu::Buffer, RenderError> {
+        let buffer = self.device.allocate(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: size_of_val(records).max(size_of::<T>()) as u64,
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         })?;
-        self.device.queue.write_buffer(&leaf_motions, 0, bytemuck::cast_slice(&records));
-        let codes = self.run(film, &leaf_motions, input.frame.size(), size, options)?;
-        self.present = Some(Shown { poses, frame: input.frame, size });
-        Ok(codes)
+        self.device.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(records));
+        Ok(buffer)
+    }
+
+    /// Compiles the pass for the objects of an earlier field, unless it is that of the last picture, and uploads their numbers.
+    fn start_deformation(&mut self, earlier_field: &Field) -> Result<wgpu::Buffer, RenderError> {
+        let program = Program::new(earlier_field);
+        let code = DeformationPass::code(&program);
+        if self.deformation.as_ref().is_none_or(|pass| pass.code != code) {
+            self.deformation = Some(DeformationPass::new(&self.device, code)?);
+        }
+        self.uploaded("earlier field", &program.parameters)
     }
 
     /// Colours of the last picture.
@@ -410,6 +470,7 @@ impl GpuReconstruction {
         &mut self,
         film: &ReconstructedFilm,
         leaf_motions: &wgpu::Buffer,
+        field_parameters: Option<&wgpu::Buffer>,
         traced: [u32; 2],
         size: [u32; 2],
         options: &ReconstructOptions,
@@ -436,7 +497,9 @@ impl GpuReconstruction {
                     8 => &buffers.estimates[1 - source],
                     9 => &past.colours,
                     10 => &present.colours,
-                    _ => &buffers.screen,
+                    11 => &buffers.screen,
+                    12 => &buffers.earlier,
+                    _ => field_parameters.unwrap_or(&self.uniforms),
                 };
                 wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
             };
@@ -456,12 +519,15 @@ impl GpuReconstruction {
             pass.dispatch_workgroups(size[0].div_ceil(8), size[1].div_ceil(8), 1);
         };
         let passes = &self.passes;
-        run("division by the albedo", &passes.divide, &[0, 1, 2, 4, 7], 0, traced);
+        run("division by the albedo", &passes.divide, &[0, 1, 2, 4, 7, 12], 0, traced);
+        if let (Some(pass), Some(_)) = (&self.deformation, field_parameters) {
+            run("deformation", &pass.pipeline, &[0, 2, 4, 12, 13], 0, traced);
+        }
         if options.firefly_filter {
             run("fireflies", &passes.find_fireflies, &[0, 2, 7, 8], 0, traced);
             run("fireflies", &passes.spread_fireflies, &[0, 2, 7, 8], 0, traced);
         }
-        run("reprojection", &passes.accumulate, &[0, 2, 3, 4, 5, 6, 7], 0, traced);
+        run("reprojection", &passes.accumulate, &[0, 2, 3, 5, 6, 7, 12], 0, traced);
         run("spatial filter", &passes.start_filter, &[0, 2, 5, 7], 0, traced);
         let mut source = 0;
         let filters = std::iter::once(&passes.smooth_variance).chain(&passes.filter);
@@ -469,7 +535,7 @@ impl GpuReconstruction {
             run("spatial filter", pipeline, &[0, 2, 7, 8], source, traced);
             source = 1 - source;
         }
-        run("anti-aliasing", &passes.antialias, &[0, 2, 3, 4, 7, 9, 10], source, size);
+        run("anti-aliasing", &passes.antialias, &[0, 2, 3, 7, 9, 10, 12], source, size);
         if settles(film.samples) && traced == size {
             run("mix with the film", &passes.compare_with_film, &[0, 1, 2, 8, 10], 0, size);
         }
@@ -504,6 +570,7 @@ mod tests {
     use super::*;
     use crate::wgsl::check_layout;
     use naga::valid::{Capabilities, ValidationFlags, Validator};
+    use pathmarch_scene::Scene;
 
     #[test]
     fn structures_have_one_layout_in_both_languages() {
@@ -513,8 +580,12 @@ mod tests {
 
     #[test]
     fn passes_are_valid_and_within_the_default_limits() {
+        let scene = "pathmarch 1\ncamera { position 0 1 5; target 0 0 0 }\nsky 1\nobject \"drops\" {\n\
+            union smooth=0.3 { sphere 0.5 { at 0.5 1 0 }; twist 90 { box 0.5 } } }\nobject \"fractal\" { mandelbulb }";
+        let field = Scene::parse("test.kdl", scene).expect("a scene").field;
+        let deformation = DeformationPass::code(&Program::new(&field.of_objects(&[0, 1])));
         for file in FILES.iter().filter(|file| file.name != "reconstruct/pass") {
-            let code = code(file.name);
+            let code = if file.name == "reconstruct/deformation" { deformation.clone() } else { code(file.name) };
             let module =
                 naga::front::wgsl::parse_str(&code).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&code)));
             let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);

@@ -15,8 +15,7 @@
 //! moves no energy out of highlights; the point in the last picture is validated by its position in space instead of a
 //! depth, and pictures of different sizes share their history.
 //!
-//! **Limits.** `motion` is that of rigid objects; shapes that deform start anew where the point was not on the surface
-//! before. Reflections on rough surfaces and what is seen through glass move with the surface.
+//! **Limits.** Reflections on rough surfaces and what is seen through glass move with the surface.
 
 mod antialiasing;
 mod cpu;
@@ -49,6 +48,8 @@ shared_constants! {
     const OWN_VARIANCE: f32 = 0.5;
     /// Longest history of an unchanged scene, samples.
     const MAX_HISTORY: f32 = 24.0;
+    /// Largest irradiance whose square is a number.
+    const MAX_IRRADIANCE: f32 = 1e15;
     /// Pixels of motion at which its colour is full.
     const FULL_MOTION: f32 = 32.0;
     /// Index of the picture among the buffers.
@@ -181,7 +182,7 @@ impl Reconstruction {
             Tracer::Cpu(job) => {
                 let Some(guides) = job.guides() else { return Ok(None) };
                 let (means, samples) = (job.means(), job.samples_done() as u32);
-                let (scene, frame) = (&*input.scene, &input.frame);
+                let (scene, frame) = (&input.scene, &input.frame);
                 let film = FilmView { scene, frame, guides: &guides, means: &means, samples, weight: film_weight };
                 let picture = self.cpu.picture(&film, size, options);
                 let buffer = self.cpu.buffer(options.buffer, size);
@@ -216,7 +217,7 @@ impl Reconstruction {
         let weight = film_weight(tracer.samples_done() as u32, u32::MAX);
         if let Tracer::Cpu(job) = tracer {
             let Some(guides) = job.guides() else { return Ok(None) };
-            let (scene, frame, samples) = (&*input.scene, &input.frame, job.samples_done() as u32);
+            let (scene, frame, samples) = (&input.scene, &input.frame, job.samples_done() as u32);
             let film = FilmView { scene, frame, guides: &guides, means, samples, weight };
             return Ok(Some(self.cpu.picture(&film, size, options)));
         }
@@ -300,6 +301,12 @@ fn settled_weight(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
     let clean = (1.0 - visible).max(0.0);
     let settled = if guide.is_mixed { 1.0 } else { clean * clean };
     settled * (samples / SETTLING_SAMPLES).min(1.0)
+}
+
+/// Irradiance of a mean of the film; 0 if it is not finite, as for rejected samples.
+fn irradiance_of(mean: Vec3, guide: &Guide) -> Vec3 {
+    let irradiance = mean / guide.divisor();
+    if irradiance.is_finite() { irradiance.min(Vec3::splat(MAX_IRRADIANCE)) } else { Vec3::ZERO }
 }
 
 /// Luminance of a linear Rec. 709 colour.

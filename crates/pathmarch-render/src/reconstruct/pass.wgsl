@@ -15,6 +15,8 @@
 @group(0) @binding(9) var<storage, read> past_colours: array<vec4f>;
 @group(0) @binding(10) var<storage, read_write> colours: array<vec4f>;
 @group(0) @binding(11) var<storage, read_write> screen: array<u32>;
+/// Position of the point of each pixel in the earlier scene, and its normal in the last word.
+@group(0) @binding(12) var<storage, read_write> earlier_points: array<vec4u>;
 
 /// Mean of a pixel.
 struct History {
@@ -82,18 +84,18 @@ fn projection(v: vec3f, right: vec3f, up: vec3f, forward: vec3f, size: vec2f) ->
     return 0.5 * vec2f(across + 1.0, 1.0 - upwards) * size;
 }
 
-/// Guide of the same point in the earlier scene.
-fn earlier(guide: Guide) -> Guide {
+/// The guide of a pixel at its point in the earlier scene.
+fn earlier(guide: Guide, pixel: u32) -> Guide {
     var moved = guide;
-    if uniforms.scene_changed != 0u && guide.leaf != NO_LEAF {
-        let motion = leaf_motions[guide.leaf];
-        if motion.moves != 0u {
-            let rows = mat3x3f(motion.x, motion.y, motion.z);
-            moved.position = guide.position * rows * motion.scale + vec3f(motion.offset_x, motion.offset_y, motion.offset_z);
-            moved.normal = guide.normal * rows;
-        }
-    }
+    let point = earlier_points[pixel];
+    moved.position = bitcast<vec3f>(point.xyz);
+    moved.normal = from_octahedral(unpack2x16snorm(point.w));
     return moved;
+}
+
+/// Stores the point of a pixel in the earlier scene.
+fn store_earlier(pixel: u32, position: vec3f, normal: vec3f) {
+    earlier_points[pixel] = vec4u(bitcast<vec3u>(position), pack2x16snorm(octahedral(normal)));
 }
 
 /// True if a guide and one of the last picture show one place of one surface, to within a few sides of a pixel.

@@ -1,7 +1,7 @@
 //! Reprojection and temporal accumulation.
 
 use super::luminance;
-use super::motion::Motion;
+use super::motion::{EarlierPoint, EarlierPoints};
 use crate::integrator::guides::{Guide, GuideClass};
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
@@ -110,7 +110,7 @@ impl History {
         frame: &FrameUniforms,
         guides: &Arc<Vec<Guide>>,
         new: Samples,
-        past: Option<(&History, &Motion)>,
+        past: Option<(&History, &EarlierPoints)>,
         max_length: f32,
         limits: Option<&[[f32; 2]]>,
     ) -> Self {
@@ -122,15 +122,20 @@ impl History {
             // Fireflies of a single sample have been spread.
             let square = if samples > 1.0 { guide.square } else { l * l };
             let found = past.filter(|_| max_length > 0.0);
-            let found = found.and_then(|(past, motion)| past.find(&past.sought(guide, motion, frame)));
-            let Some(PixelMean { irradiance: mut old, length, mut moments, before }) = found else {
+            let found =
+                found.and_then(|(past, earlier)| past.find(&past.sought(guide, earlier.at(index, guide), frame)));
+            let Some(PixelMean { irradiance: mut old, mut length, mut moments, before }) = found else {
                 return PixelMean { irradiance, length: samples, moments: [l, square], before: None };
             };
             if let Some([least, most]) = limits.map(|limits| limits[index]) {
                 let old_luminance = luminance(old);
-                let factor = old_luminance.clamp(least, most) / old_luminance.max(1e-9);
+                let clamped = old_luminance.clamp(least, most);
+                let factor = clamped / old_luminance.max(1e-9);
                 old *= factor;
                 moments = [moments[0] * factor, moments[1] * factor * factor];
+                // The less of it is plausible, the fewer samples it is worth.
+                let agreement = (clamped.min(old_luminance) + 1e-9) / (clamped.max(old_luminance) + 1e-9);
+                length *= agreement * agreement;
             }
             let limit = if moves && guide.is_glossy { max_length.min(MAX_GLOSSY_HISTORY) } else { max_length };
             let length = length.min(limit);
@@ -149,9 +154,9 @@ impl History {
         }
     }
 
-    /// Point of a guide of the picture `frame`, as this picture may show it.
-    pub(super) fn sought(&self, guide: &Guide, motion: &Motion, frame: &FrameUniforms) -> SoughtPoint {
-        let (position, normal) = motion.earlier(guide);
+    /// Point of a guide of the picture `frame`, as this picture may show it, from where it was.
+    pub(super) fn sought(&self, guide: &Guide, earlier: EarlierPoint, frame: &FrameUniforms) -> SoughtPoint {
+        let EarlierPoint { position, normal } = earlier;
         let pixel = guide.length * self.frame.pixel.max(frame.pixel);
         SoughtPoint { position, normal, pixel, surface: surface_of(guide), is_sky: guide.class == GuideClass::Sky }
     }
@@ -268,6 +273,81 @@ mod tests {
             assert!((across - x).abs() < 1e-3 && (down - y).abs() < 1e-3, "{x} {y}: {across} {down}");
             assert!(projection.project(ray.origin - ray.direction).is_none());
         }
+    }
+
+    /// Frame of a camera at this place, and guides of its pixels on the plane z = 0, which is object 1.
+    fn on_a_plane(viewpoint: [f32; 3]) -> (FrameUniforms, Vec<Guide>) {
+        let frame = input(viewpoint).frame;
+        let guide = |index: usize| {
+            let ray = central_ray(&frame, (index % 40) as f32 + 0.5, (index / 40) as f32 + 0.5);
+            let length = -ray.origin.z / ray.direction.z;
+            let (position, class) = (ray.origin + ray.direction * length, GuideClass::Surface);
+            Guide { position, normal: Vec3::Z, seen_normal: Vec3::Z, length, class, object: 1, ..Guide::NONE }
+        };
+        (frame, (0..1200).map(guide).collect())
+    }
+
+    /// Lengths of the histories of a picture after one of the plane, from these cameras, whose guides `change` alters.
+    fn lengths(cameras: [[f32; 3]; 2], change: impl Fn(&mut Guide)) -> Vec<f32> {
+        let [past, (frame, mut guides)] = cameras.map(on_a_plane);
+        guides.iter_mut().for_each(change);
+        let irradiance = vec![Vec3::ONE; 1200];
+        let picture = |frame: &FrameUniforms, guides: Vec<Guide>, past: Option<(&History, &EarlierPoints)>| {
+            let new = Samples { irradiance: &irradiance, count: 1.0 };
+            History::new(frame, &Arc::new(guides), new, past, 24.0, None)
+        };
+        let past = picture(&past.0, past.1, None);
+        let present = picture(&frame, guides, Some((&past, &EarlierPoints::default())));
+        present.means.iter().map(|mean| mean.length).collect()
+    }
+
+    #[test]
+    fn histories_end_at_other_depths_normals_objects_and_classes() {
+        const EYE: [f32; 3] = [1.0, 2.0, 6.0];
+        let all = |lengths: Vec<f32>, length: f32| lengths.iter().all(|found| *found == length);
+        let side = input(EYE).frame.pixel * 6.0;
+        assert!(all(lengths([EYE, EYE], |_| ()), 2.0));
+        assert!(all(lengths([EYE, EYE], |guide| guide.position.z += side), 2.0), "within the tolerance");
+        assert!(all(lengths([EYE, EYE], |guide| guide.position.z += 4.0 * side), 1.0), "depth");
+        assert!(all(lengths([EYE, EYE], |guide| guide.normal = Vec3::new(0.7, 0.0, 0.714)), 1.0), "normal");
+        assert!(all(lengths([EYE, EYE], |guide| guide.object = 2), 1.0), "object");
+        assert!(all(lengths([EYE, EYE], |guide| guide.class = GuideClass::Glass), 1.0), "class");
+        assert!(all(lengths([EYE, EYE], |guide| guide.position = Vec3::splat(f32::NAN)), 1.0), "no position");
+    }
+
+    #[test]
+    fn histories_end_beyond_the_picture() {
+        // The camera turns about the target: what comes in from one side has no past.
+        let lengths = lengths([[1.0, 2.0, 6.0], [3.0, 2.0, 6.0]], |_| ());
+        let new = lengths.iter().filter(|length| **length == 1.0).count();
+        assert!((20..600).contains(&new), "{new}");
+        assert!(lengths.iter().all(|length| *length == 1.0 || *length == 2.0));
+        // Behind the camera of the last picture.
+        assert!(
+            self::lengths([[1.0, 2.0, 6.0], [1.0, 2.0, -6.0]], |guide| guide.position.z = 20.0)
+                .iter()
+                .all(|length| *length == 1.0)
+        );
+    }
+
+    #[test]
+    fn a_past_that_is_hardly_plausible_counts_less() {
+        let (frame, guides) = on_a_plane([1.0, 2.0, 6.0]);
+        let guides = Arc::new(guides);
+        let picture = |light: f32, past: Option<(&History, &EarlierPoints)>, limits: Option<&[[f32; 2]]>| {
+            let irradiance = vec![Vec3::splat(light); 1200];
+            History::new(&frame, &guides, Samples { irradiance: &irradiance, count: 1.0 }, past, 24.0, limits)
+        };
+        let still = EarlierPoints::default();
+        let mut past = picture(8.0, None, None);
+        for _ in 0..3 {
+            past = picture(8.0, Some((&past, &still)), None);
+        }
+        let after = |light: f32| picture(light, Some((&past, &still)), Some(&vec![[light, light]; 1200])).means[600];
+        assert_eq!((after(8.0).length, after(8.0).irradiance), (5.0, Vec3::splat(8.0)));
+        // Half as much light: a quarter of the samples.
+        assert!((after(4.0).length - 2.0).abs() < 1e-5 && (after(4.0).irradiance - 4.0).length() < 1e-5);
+        assert!((after(16.0).length - 2.0).abs() < 1e-5);
     }
 
     /// What a plane mirror shows is a world behind it, in which points stand still when the camera moves: the floor there

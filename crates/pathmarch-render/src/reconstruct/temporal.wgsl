@@ -1,7 +1,8 @@
 // import: reconstruct/pass
 // Reprojection and temporal accumulation. Twin of temporal.rs.
 
-/// Divides the radiance of a film by the albedo, and looks up the objects of the guides.
+/// Divides the radiance of a film by the albedo, moves the points of the guides back to the earlier scene, and looks up the
+/// objects of the guides.
 @compute @workgroup_size(8, 8)
 fn divide(@builtin(global_invocation_id) id: vec3u) {
     let position = vec2i(id.xy);
@@ -10,8 +11,15 @@ fn divide(@builtin(global_invocation_id) id: vec3u) {
     }
     let pixel = pixel_index(position);
     let guide = guide_at(pixel);
-    let irradiance = film_mean(id.xy, pixel) / divisor(guide);
+    let irradiance = min(film_mean(id.xy, pixel) / divisor(guide), vec3f(MAX_IRRADIANCE));
     estimates[pixel] = vec4f(irradiance, luminance(irradiance));
+    store_earlier(pixel, guide.position, guide.normal);
+    if guide.leaf != NO_LEAF && leaf_motions[guide.leaf].moves != 0u {
+        let motion = leaf_motions[guide.leaf];
+        let rows = mat3x3f(motion.x, motion.y, motion.z);
+        let offset = vec3f(motion.offset_x, motion.offset_y, motion.offset_z);
+        store_earlier(pixel, guide.position * rows * motion.scale + offset, guide.normal * rows);
+    }
     if guide.object != GLOSSY_BIT - 1u {
         let flags = guides[3u * pixel + 2u].x & ~(GLOSSY_BIT - 1u);
         guides[3u * pixel + 2u].x = flags | leaf_motions[guide.object].object;
@@ -37,16 +45,20 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     if uniforms.max_history <= 0.0 {
         return;
     }
-    var found = find(earlier(guide));
+    var found = find(earlier(guide, pixel), coarser_pixel(guide));
     if found.length <= 0.0 {
         return;
     }
     if uniforms.scene_changed != 0u {
         let limits = plausible_luminance(position);
         let old = luminance(found.irradiance);
-        let factor = clamp(old, limits.x, limits.y) / max(old, 1e-9);
+        let clamped = clamp(old, limits.x, limits.y);
+        let factor = clamped / max(old, 1e-9);
         found.irradiance *= factor;
         found.moments *= vec2f(factor, factor * factor);
+        // The less of it is plausible, the fewer samples it is worth.
+        let agreement = (min(clamped, old) + 1e-9) / (max(clamped, old) + 1e-9);
+        found.length *= agreement * agreement;
     }
     let is_limited = uniforms.camera_moves != 0u && guide.is_glossy;
     let limit = select(uniforms.max_history, min(uniforms.max_history, MAX_GLOSSY_HISTORY), is_limited);
@@ -60,8 +72,9 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     );
 }
 
-/// Mean of the point of a guide in the last picture; its length is 0 if that does not show the point.
-fn find(guide: Guide) -> History {
+/// Mean of the point of an earlier guide in the last picture; its length is 0 if that does not show the point. `side` is that
+/// of a pixel at the point.
+fn find(guide: Guide, side: f32) -> History {
     var found: History;
     found.before = project_before(guide.position);
     let corner = floor(found.before - 0.5);
@@ -74,7 +87,7 @@ fn find(guide: Guide) -> History {
             continue;
         }
         let pixel = u32(place.y) * uniforms.past_width + u32(place.x);
-        if !same_point(guide, past_guide_at(pixel), coarser_pixel(guide)) {
+        if !same_point(guide, past_guide_at(pixel), side) {
             continue;
         }
         let weights = select(1.0 - part, part, offset == vec2i(1));
