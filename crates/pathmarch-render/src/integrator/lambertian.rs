@@ -5,9 +5,9 @@
 
 use super::light_sampling::{ChosenLight, choose_light};
 use super::light_sampling_lanes::{sample_directions, sample_weights};
-use super::path::SurfaceSamples;
 use super::path_state::{Path, ROULETTE_DEPTH, SURVIVAL_FACTOR};
 use super::shadow::ShadowTest;
+use super::surface_samples::SurfaceSamples;
 use crate::intersect::ray::{Ray, lanes, pack, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::TraceContext;

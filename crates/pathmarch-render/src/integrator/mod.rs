@@ -23,3 +23,4 @@ mod probe;
 pub(crate) mod shadow;
 pub(crate) mod splitting;
 pub(crate) mod splitting_choice;
+mod surface_samples;

@@ -529,14 +529,14 @@ impl<'a> Pruner<'a> {
         let mut is_open = f32x8::ZERO.simd_le(f32x8::ZERO);
         for (place, &behind) in self.behind.iter().enumerate().rev() {
             let here = f32x8::splat(place as f32);
-            is_open = is_open & first.simd_le(here);
+            is_open &= first.simd_le(here);
             if is_open.to_bitmask() == 0 {
                 break;
             }
             let kept = lanes_of(self.keeps[place]) & is_open;
             let ends = kept & behind.simd_ge(f32x8::ZERO) & (reach * slope).simd_le(negligible);
             least = Real::select(Mask8(ends), here, least);
-            is_open = is_open & !ends;
+            is_open &= !ends;
             slope = Real::select(Mask8(kept), slope * remaining_slope(blend, behind / width), slope);
         }
         for (place, keeps) in self.keeps.iter_mut().enumerate() {
