@@ -344,14 +344,7 @@ impl<'a> Pruner<'a> {
     }
 
     /// Prunes a list for the roots in a cube of them.
-    fn prune_roots(
-        &mut self,
-        place: [u32; 3],
-        bits: u32,
-        list: Range<usize>,
-        block_length: usize,
-        roots: &mut [Root],
-    ) {
+    fn prune_roots(&mut self, place: [u32; 3], bits: u32, list: Range<usize>, block_length: usize, roots: &mut [Root]) {
         let counts = self.counts;
         let size = 1 << (bits - 1);
         let octants = octants_of(place).map(|place| place.map(|v| v * size));
@@ -536,13 +529,7 @@ impl RootBuilder<'_> {
     }
 
     /// Builds a cell and its children; `None` if there are too many. `parent_length` is the length of its parent's list.
-    fn build_cell(
-        &mut self,
-        place: [u32; 3],
-        level: usize,
-        pruned: &Pruned,
-        parent_length: usize,
-    ) -> Option<Cell> {
+    fn build_cell(&mut self, place: [u32; 3], level: usize, pruned: &Pruned, parent_length: usize) -> Option<Cell> {
         let &Pruned { ref list, distance } = pruned;
         let is_divisible = level < SPLITS.len() && 5 * list.len() < 4 * parent_length;
         let (centre, edge) = (self.pruner.centre(place, Self::shift(level)), self.pruner.size(Self::shift(level)));
