@@ -22,6 +22,51 @@ pub struct HalfBuffers {
     parts: [FilmPart; 2],
 }
 
+/// Films of two halves with independent noise. Pixels may have different numbers of samples, but equal shares of them in each half.
+#[derive(Clone, Debug)]
+pub struct HalfFilms {
+    rect: Rect,
+    halves: [Film; 2],
+    whole: Film,
+}
+
+impl HalfFilms {
+    /// Films of the halves of a picture of these pixels, and of all samples.
+    pub(crate) fn new(rect: Rect, halves: [Film; 2], whole: Film) -> Self {
+        Self { rect, halves, whole }
+    }
+
+    /// Pixels.
+    pub fn rect(&self) -> Rect {
+        self.rect
+    }
+
+    /// All samples.
+    pub fn film(&self) -> &Film {
+        &self.whole
+    }
+
+    /// Means of both halves and of all samples.
+    pub fn means(&self) -> Means {
+        let ([first, second], all) = (&self.halves, &self.whole);
+        let means = |film: &Film| -> Vec<Option<Vec3>> {
+            let pixels = film.sums.iter().zip(film.sample_counts());
+            pixels.map(|(sum, count)| (count > 0).then(|| Vec3::from(*sum) / count as f32)).collect()
+        };
+        let whole: Vec<Vec3> = means(all).into_iter().map(Option::unwrap_or_default).collect();
+        let or_whole = |film| means(film).into_iter().zip(&whole).map(|(mean, all)| mean.unwrap_or(*all)).collect();
+        let first_share = first.samples as f32 / all.samples.max(1) as f32;
+        Means { halves: [or_whole(first), or_whole(second)], whole, first_share }
+    }
+}
+
+impl From<&HalfBuffers> for HalfFilms {
+    fn from(buffers: &HalfBuffers) -> Self {
+        let halves = buffers.parts.each_ref().map(FilmPart::film);
+        Self { rect: buffers.rect(), halves, whole: buffers.film() }
+    }
+}
+
 /// Means of the samples of each pixel.
 pub struct Means {
     /// Means of both halves; of all samples where a half has none.
@@ -72,20 +117,6 @@ impl HalfBuffers {
         let mut whole = first;
         whole.absorb(second);
         whole.film()
-    }
-
-    /// Means of both halves and of all samples.
-    pub fn means(&self) -> Means {
-        let [first, second] = self.parts.each_ref().map(FilmPart::film);
-        let all = self.film();
-        let means = |film: &Film| -> Vec<Option<Vec3>> {
-            let pixels = film.sums.iter().zip(film.sample_counts());
-            pixels.map(|(sum, count)| (count > 0).then(|| Vec3::from(*sum) / count as f32)).collect()
-        };
-        let whole: Vec<Vec3> = means(&all).into_iter().map(Option::unwrap_or_default).collect();
-        let or_whole = |film| means(film).into_iter().zip(&whole).map(|(mean, all)| mean.unwrap_or(*all)).collect();
-        let first_share = first.samples as f32 / all.samples.max(1) as f32;
-        Means { halves: [or_whole(&first), or_whole(&second)], whole, first_share }
     }
 
     /// Block of a sample.

@@ -32,7 +32,7 @@ mod signal;
 use crate::output::image::Picture;
 pub use features::Features;
 use glam::Vec3;
-pub use halves::HalfBuffers;
+pub use halves::{HalfBuffers, HalfFilms};
 pub use oidn::LIBRARY_VARIABLE;
 use rayon::prelude::*;
 use regression::{Pilot, Regression, Stage};
@@ -94,7 +94,8 @@ impl Denoiser {
     ///
     /// # Errors
     /// [`DenoiseError`] if features and samples are of different sizes, or if the library is missing or fails.
-    pub fn denoise(self, samples: &HalfBuffers, features: &Features) -> Result<Picture, DenoiseError> {
+    pub fn denoise(self, samples: impl Into<HalfFilms>, features: &Features) -> Result<Picture, DenoiseError> {
+        let samples = &samples.into();
         let rect = samples.rect();
         if features.halves.iter().any(|half| half.len() != rect.pixels()) {
             return Err(DenoiseError::SizeMismatch);
@@ -131,7 +132,7 @@ pub enum DenoiseError {
 }
 
 /// Radiance denoised by regression.
-fn regression(samples: &HalfBuffers, features: &Features) -> Vec<Vec3> {
+fn regression(samples: &HalfFilms, features: &Features) -> Vec<Vec3> {
     let signal = Signal::new(samples, features);
     let limited = outliers::limited(&signal);
     // A single sample tells nothing of its noise, so that no pilot can guide a second stage.
@@ -166,7 +167,7 @@ fn filtered_share(means: &halves::Means) -> f32 {
 }
 
 /// Radiance denoised by Open Image Denoise.
-fn with_oidn(samples: &HalfBuffers, features: &Features) -> Result<Vec<Vec3>, DenoiseError> {
+fn with_oidn(samples: &HalfFilms, features: &Features) -> Result<Vec<Vec3>, DenoiseError> {
     let library = oidn::Library::open()?;
     let film = samples.film();
     let rays = 2.0 * features.rays as f32;
