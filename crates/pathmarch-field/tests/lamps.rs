@@ -2,7 +2,6 @@
 
 use crate::sampling::Random;
 use pathmarch_field::graph::Kind;
-use pathmarch_field::number::Vec3;
 use pathmarch_field::registry::{modifiers, operator, shape};
 use pathmarch_field::{Aabb, Field, Node, Placement};
 
