@@ -103,6 +103,44 @@ fn the_code_of_a_grid_does_not_grow_with_it() {
 }
 
 #[test]
+fn after_an_edit_a_grid_shares_what_is_unchanged_and_is_that_of_the_new_shapes() {
+    let mut random = Random::new(11);
+    let mut children = shapes(&mut random, 1000, 8.0);
+    for node in &mut children {
+        node.placement.scale = Some(0.3);
+    }
+    let blend = Some(Blend { amount: 0.05, profile: BlendProfile::Soft, steps: 3.0 });
+    let field_of = |children: &[Node]| Field::new(&[union(children.to_vec(), blend)]);
+    let points: Vec<_> = (0..4000).map(|_| random.point(Aabb::centred(8.0, 8.0, 8.0))).collect();
+    let distances = |field: &Field| -> Vec<u32> {
+        points.iter().map(|&p| field.sphere_traced_distance(p, RayKind::Secondary).to_bits()).collect()
+    };
+    let first = field_of(&children);
+    let distances_before = distances(&first);
+    let whole = first.shape_grid_bytes();
+    // A shape in the middle moves, in two edits of which the first is never evaluated.
+    let middle = (0..children.len()).min_by(|&a, &b| {
+        let offset = |k: usize| children[k].placement.at.unwrap_or_default().map(f32::abs).into_iter().sum::<f32>();
+        offset(a).total_cmp(&offset(b))
+    });
+    let middle = middle.expect("shapes");
+    let mut before = first;
+    for step in [0.05, 0.3] {
+        if let Some(at) = &mut children[middle].placement.at {
+            at[0] += step;
+        }
+        let mut after = field_of(&children);
+        after.follow(&before);
+        before = after;
+    }
+    let edited = before;
+    edited.sphere_traced_distance(points[0], RayKind::Secondary);
+    assert!(edited.shape_grid_bytes() > whole / 2, "{} of {whole}", edited.shape_grid_bytes());
+    assert_eq!(distances(&edited), distances(&field_of(&children)));
+    assert_ne!(distances(&edited), distances_before);
+}
+
+#[test]
 fn thin_shapes_in_a_grid_are_met() {
     let mut random = Random::new(11);
     let mut children = shapes(&mut random, 200, 3.0);

@@ -4,6 +4,7 @@
 
 mod bench;
 mod denoise;
+mod edits;
 mod flights;
 mod fuzz;
 mod hybrid;
@@ -31,6 +32,8 @@ enum Command {
     Bench(bench::Arguments),
     /// Measure time and error of denoised pictures.
     Denoise(denoise::Arguments),
+    /// Measure the time from a changed number to the first picture of the changed scene.
+    Edits(edits::Arguments),
     /// Measure the error of reconstructed sequences against converged ones.
     Flights(flights::Arguments),
     /// Try random inputs on everything that reads files.
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
     pathmarch_cli::run(|| match Arguments::parse().command {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Denoise(arguments) => denoise::run(&arguments),
+        Command::Edits(arguments) => edits::run(&arguments),
         Command::Flights(arguments) => flights::run(&arguments),
         Command::Fuzz(arguments) => fuzz::run(&arguments),
         Command::Hybrid(arguments) => hybrid::run(&arguments),

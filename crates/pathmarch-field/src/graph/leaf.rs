@@ -50,6 +50,14 @@ impl Leaf {
         mesh.map_or(0.0, |mesh| mesh.voxel() * self.pose.scale)
     }
 
+    /// Reports whether both have the same distance everywhere. False if that is unknown.
+    pub(super) fn is_same_shape(&self, other: &Self) -> bool {
+        self.shape.info().name == other.shape.info().name
+            && std::ptr::addr_eq(&*self.shape, &*other.shape)
+            && self.params == other.params
+            && self.pose == other.pose
+    }
+
     #[inline]
     pub(super) fn distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let distance = N::shape(&*self.shape).distance(self.pose.local(p), &self.params);

@@ -36,7 +36,7 @@ pub enum Turn {
 }
 
 /// Local coordinates of a shape, in the world or in the space of the modifier around it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// True if any placement translates it.
     pub moved: bool,

@@ -46,6 +46,16 @@ pub(crate) struct ShapeGrid {
     /// Bounds of all shapes.
     pub(crate) bounds: Aabb,
     grid: Arc<OnceLock<SparseGrid>>,
+    /// Grid before the last edits.
+    previous: Option<Previous>,
+}
+
+/// Grid of an earlier version of a shape grid.
+#[derive(Clone, Debug)]
+struct Previous {
+    grid: Arc<OnceLock<SparseGrid>>,
+    /// True for each shape that differs.
+    changed: Vec<bool>,
 }
 
 /// Reports whether an object is evaluated by itself.
@@ -70,7 +80,22 @@ impl ShapeGrid {
         first_choice: u32,
         bounds: Aabb,
     ) -> Self {
-        Self { leaves, smooth, separate, first_choice, bounds, grid: Arc::default() }
+        Self { leaves, smooth, separate, first_choice, bounds, grid: Arc::default(), previous: None }
+    }
+
+    /// Lets the grid share what is unchanged with that of an earlier version of the field.
+    fn follow(&mut self, field: &Field, old: &Self, old_field: &Field) {
+        if (&self.leaves, self.smooth, self.separate) != (&old.leaves, old.smooth, old.separate) {
+            return;
+        }
+        let differs = |&leaf: &u32| !field.leaves[leaf as usize].is_same_shape(&old_field.leaves[leaf as usize]);
+        let mut changed: Vec<bool> = self.leaves.iter().map(differs).collect();
+        let mut grid = old.grid.clone();
+        if let Some(earlier) = old.previous.as_ref().filter(|_| grid.get().is_none()) {
+            changed.iter_mut().zip(&earlier.changed).for_each(|(changed, earlier)| *changed |= earlier);
+            grid = earlier.grid.clone();
+        }
+        self.previous = grid.get().is_some().then_some(Previous { grid, changed });
     }
 
     /// The grid. Its cells are built on first use.
@@ -321,6 +346,18 @@ impl Field {
         }
         self.singles = (0..).zip(&strategies).filter(|(_, strategy)| is_single(**strategy)).map(|(k, _)| k).collect();
         (self.strategies, self.shape_grids) = (strategies, shape_grids);
+    }
+
+    /// Shares what an earlier version of the field has built and the changes since leave valid. The field's values do not
+    /// change. Cost: a comparison of the shapes.
+    pub fn follow(&mut self, old: &Self) {
+        let mut shape_grids = std::mem::take(&mut self.shape_grids);
+        if shape_grids.len() == old.shape_grids.len() && self.leaves.len() == old.leaves.len() {
+            for (shape_grid, before) in shape_grids.iter_mut().zip(&old.shape_grids) {
+                shape_grid.follow(self, before, old);
+            }
+        }
+        self.shape_grids = shape_grids;
     }
 
     /// Objects outside of shape grids and the BVH.

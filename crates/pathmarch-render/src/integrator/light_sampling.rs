@@ -35,16 +35,21 @@ pub(crate) struct LightSample {
     pub(crate) target: Option<u32>,
     /// Sharpness of shadows from near misses; 0 for exact shadows.
     pub(crate) penumbra: f32,
-    /// Weight of multiple importance sampling (MIS).
-    pub(crate) weight: f32,
 }
 
 /// Light with the probability of choosing it at a point.
 pub(super) struct ChosenLight<'a> {
     pub(super) shape: &'a LightShape,
-    pmf: f32,
+    pub(super) pmf: f32,
     /// One over `pmf`.
-    inverse_pmf: f32,
+    pub(super) inverse_pmf: f32,
+}
+
+impl ChosenLight<'_> {
+    /// Leaf that the shadow ray must hit, for a light that it may miss.
+    pub(super) fn target(&self) -> Option<u32> {
+        if let LightShape::Bounded(sphere) = self.shape { Some(sphere.leaf) } else { None }
+    }
 }
 
 /// Chooses a light for a point with a uniform number. `normal` is the unit normal of a surface that is lit on this side only;
@@ -92,9 +97,9 @@ pub(super) fn sample_direction(
     p: Vec3,
     position: [f32; 2],
 ) -> Option<LightSample> {
-    let sample = |direction, distance, irradiance, pdf, target| {
-        let penumbra = light.shape.penumbra();
-        Some(LightSample { direction, distance, irradiance, pdf: pdf * light.pmf, target, penumbra, weight: 1.0 })
+    let sample = |direction, distance, irradiance, pdf| {
+        let (pdf, target, penumbra) = (pdf * light.pmf, light.target(), light.shape.penumbra());
+        Some(LightSample { direction, distance, irradiance, pdf, target, penumbra })
     };
     match light.shape {
         LightShape::Point(PointLight { position, radiant_intensity, .. }) => {
@@ -102,7 +107,7 @@ pub(super) fn sample_direction(
             let distance = offset.length();
             let inverse = 1.0 / distance;
             let intensity = *radiant_intensity * light.inverse_pmf;
-            sample(offset * inverse, distance, intensity * (inverse * inverse), 0.0, None)
+            sample(offset * inverse, distance, intensity * (inverse * inverse), 0.0)
         }
         LightShape::Spot(spot) => {
             let offset = spot.point.position - p;
@@ -113,30 +118,30 @@ pub(super) fn sample_direction(
             if intensity == Vec3::ZERO {
                 return None;
             }
-            sample(direction, distance, intensity * (inverse * inverse), 0.0, None)
+            sample(direction, distance, intensity * (inverse * inverse), 0.0)
         }
         LightShape::Sun(SunLight { direction, irradiance, one_minus_cos, .. }) => {
             let sampled_direction = cone_direction(*direction, *one_minus_cos, position);
             // Radiance times solid angle: the irradiance divided by the mean cosine over the disc.
             let pdf = if *one_minus_cos > 0.0 { 1.0 / (TAU * one_minus_cos) } else { 0.0 };
             let irradiance = *irradiance * light.inverse_pmf;
-            sample(sampled_direction, f32::INFINITY, irradiance * (2.0 / (2.0 - one_minus_cos)), pdf, None)
+            sample(sampled_direction, f32::INFINITY, irradiance * (2.0 / (2.0 - one_minus_cos)), pdf)
         }
         LightShape::Environment => {
             let EnvironmentSample { direction, radiance, pdf } = ctx.scene.sky.sample(position)?;
             // This pdf includes the choice of the light.
-            sample(direction, f32::INFINITY, radiance / pdf, pdf / light.pmf, None)
+            sample(direction, f32::INFINITY, radiance / pdf, pdf / light.pmf)
         }
         LightShape::Sphere(sphere) => {
             let (direction, one_minus_cos, offset) = sample_sphere_cone(sphere, p, position);
             let distance = sphere_entry(offset, direction, sphere.radius);
             let irradiance = sphere.radiance * light.inverse_pmf * (TAU * one_minus_cos);
-            sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / (TAU * one_minus_cos), None)
+            sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / (TAU * one_minus_cos))
         }
         LightShape::Bounded(sphere) => {
             let (direction, one_minus_cos, _) = sample_sphere_cone(sphere, p, position);
             let irradiance = sphere.radiance * light.inverse_pmf * (TAU * one_minus_cos);
-            sample(direction, f32::INFINITY, irradiance, 1.0 / (TAU * one_minus_cos), Some(sphere.leaf))
+            sample(direction, f32::INFINITY, irradiance, 1.0 / (TAU * one_minus_cos))
         }
         LightShape::Triangles(triangles) => {
             let mesh = &ctx.scene.mesh_lights[triangles.mesh];
@@ -152,7 +157,7 @@ pub(super) fn sample_direction(
             let radiance = mesh_radiance(ctx.scene, triangles, attributes);
             let solid_angle = triangles.area * cosine.abs() / square;
             let irradiance = radiance * light.inverse_pmf * solid_angle;
-            sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / solid_angle, None)
+            sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / solid_angle)
         }
         LightShape::Rect(_) | LightShape::Disc(_) | LightShape::Box(_) => {
             let (point, normal, area) = sample_area(light.shape, p, position);
@@ -171,7 +176,7 @@ pub(super) fn sample_direction(
             }
             let solid_angle = area * cosine / square;
             let irradiance = radiance * light.inverse_pmf * solid_angle;
-            sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / solid_angle, None)
+            sample(direction, distance * SHADOW_RAY_SHARE, irradiance, 1.0 / solid_angle)
         }
     }
 }
@@ -179,7 +184,7 @@ pub(super) fn sample_direction(
 shared_constants! {
     /// Length of a shadow ray divided by the distance of the light's surface, so that the ray does not hit the light
     /// itself.
-    const SHADOW_RAY_SHARE: f32 = 0.9999;
+    pub(super) const SHADOW_RAY_SHARE: f32 = 0.9999;
 }
 
 /// Samples a direction from `p` in the cone that a sphere subtends. Returns it, 1 - cosine of the cone's half angle,

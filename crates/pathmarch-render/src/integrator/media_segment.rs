@@ -12,7 +12,7 @@ use super::participating_media::{
 use super::path_state::{Path, clamped, escaped_radiance};
 use super::shadow::{self, MAX_CROSSINGS, ShadowTest};
 use crate::intersect::march::march;
-use crate::intersect::ray::{Hit, Ray, RaySegment};
+use crate::intersect::ray::{Hit, RaySegment};
 use crate::sampling::sobol::{PixelSampler, pair};
 use crate::scene::material::BOUNDARY;
 use crate::scene::{Medium, TraceContext};
@@ -223,15 +223,9 @@ fn scattered_light(
     let phase = phase_function(medium.anisotropy(), ray.direction.dot(light.direction));
     let remaining = (-medium.extinction() * point.distance).exp();
     let radiance = path.throughput * medium.scattering * remaining * (phase / point.pdf) * light.irradiance;
-    (radiance.max_element() > 0.0).then_some(ShadowTest {
-        slot: path.slot,
-        radiance,
-        scatter_pdf: phase,
-        ray: Ray { origin: p, direction: light.direction },
-        light,
+    (radiance.max_element() > 0.0).then(|| ShadowTest {
         path_length: LENGTH_IN_MEDIUM,
-        medium: path.medium,
-        sampler: path.sampler,
+        ..ShadowTest::new(ctx, path, p, &light, (radiance, phase))
     })
 }
 

@@ -6,7 +6,9 @@
 
 pub(crate) mod camera;
 pub(crate) mod guides;
+mod lambertian;
 pub(crate) mod light_sampling;
+mod light_sampling_lanes;
 pub(crate) mod media_segment;
 pub(crate) mod medium;
 pub(crate) mod moments;

@@ -22,6 +22,7 @@
 
 use super::camera::{camera_rays, pixel_sampler};
 use super::guides::{Guide, GuideRecorder};
+use super::lambertian::{self, is_lambertian};
 use super::light_sampling;
 use super::media_segment::{self, Vertex};
 use super::medium::transmittance;
@@ -36,7 +37,7 @@ use crate::intersect::ray::{Ray, RaySegment};
 use crate::sampling::basis::{basis, local_viewer};
 use crate::sampling::sobol::{PixelSampler, pair};
 use crate::scene::leaf::IN_GLASS;
-use crate::scene::material::{DELTA, FOCUSES, GLOWS, TRANSMITS};
+use crate::scene::material::{DELTA, EMITS, FOCUSES, GLOWS, TRANSMITS};
 use crate::scene::photon_map::LitSurface;
 use crate::scene::{Medium, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
@@ -138,21 +139,18 @@ fn continue_paths(
                 reuse.record(ctx, path, interaction, surface_index, &mut radiance);
             }
         }
-        let mut shadow_tests = Vec::with_capacity(paths.len());
-        let mut shading_inputs = vertices.iter().zip(surface_samples(ctx, &paths, surface_index));
-        paths.retain_mut(|path| {
-            shading_inputs.next().is_some_and(|(vertex, samples)| {
-                let next_ray = match vertex {
-                    Vertex::Surface(interaction) => {
-                        shade(ctx, path, interaction, &samples, surface_index, &mut radiance, &mut shadow_tests)
-                    }
-                    Vertex::Medium => {
-                        media_segment::scatter(ctx, path, surface_index, samples.scatter, samples.choice[1])
-                    }
-                };
-                next_ray.is_some()
+        let scatters: Vec<bool> = paths
+            .iter()
+            .zip(&vertices)
+            .map(|(path, vertex)| match vertex {
+                Vertex::Surface(interaction) => add_emission(ctx, path, interaction, surface_index, &mut radiance),
+                Vertex::Medium => true,
             })
-        });
+            .collect();
+        if surface_index > ctx.frame.bounces {
+            break;
+        }
+        let shadow_tests = scatter(ctx, &mut paths, &vertices, scatters, surface_index, &mut radiance);
         for (slot, direct_light) in shadow::direct_light(ctx, shadow_tests, surface_index) {
             radiance[slot] += clamped(ctx, direct_light, surface_index);
         }
@@ -164,43 +162,84 @@ fn continue_paths(
     radiance
 }
 
-/// Random numbers of a path at a surface.
-struct SurfaceSamples {
+/// Random numbers of paths at their surfaces, in the order of the paths.
+pub(super) struct SurfaceSamples {
     /// Choice of the light (x) and Russian roulette (y).
-    choice: [f32; 2],
+    pub(super) choice: Vec<[f32; 2]>,
     /// Position on the light.
-    light: [f32; 2],
+    pub(super) light: Vec<[f32; 2]>,
     /// Direction of the scattered ray.
-    scatter: [f32; 2],
-    /// Choice of the lobe.
-    lobe: f32,
-    /// Choice of the wavelength.
-    wavelength: f32,
+    pub(super) scatter: Vec<[f32; 2]>,
+    /// Choice of the lobe (x) and of the wavelength (y); empty if no BSDF chooses lobes.
+    lobe: Vec<[f32; 2]>,
 }
 
-/// Random numbers of each of these paths at its surface.
-fn surface_samples(
+/// Random numbers of one path; see [`SurfaceSamples`].
+struct SurfaceSample {
+    choice: [f32; 2],
+    light: [f32; 2],
+    scatter: [f32; 2],
+    lobe: [f32; 2],
+}
+
+impl SurfaceSamples {
+    fn of(&self, path: usize) -> SurfaceSample {
+        let (choice, light, scatter) = (self.choice[path], self.light[path], self.scatter[path]);
+        SurfaceSample { choice, light, scatter, lobe: self.lobe.get(path).copied().unwrap_or_default() }
+    }
+
+    fn new(ctx: &TraceContext, paths: &[Path], surface_index: u32) -> Self {
+        let samplers: Vec<PixelSampler> = paths.iter().map(|path| path.sampler).collect();
+        let samples_of = |pair: u32| {
+            PixelSampler::samples_2d(&samplers, pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + pair)
+        };
+        Self {
+            choice: samples_of(pair::PAIR_CHOICE),
+            light: samples_of(pair::PAIR_LIGHT),
+            scatter: samples_of(pair::PAIR_SCATTER),
+            lobe: if ctx.config.chooses_lobes { samples_of(pair::PAIR_LOBE) } else { Vec::new() },
+        }
+    }
+}
+
+/// Samples a light and the next ray of each path that `scatters`. Removes the paths that end, and returns the light samples.
+fn scatter(
     ctx: &TraceContext,
-    paths: &[Path],
+    paths: &mut Vec<Path>,
+    vertices: &[Vertex],
+    mut scatters: Vec<bool>,
     surface_index: u32,
-) -> impl Iterator<Item = SurfaceSamples> + use<> {
-    let samplers: Vec<PixelSampler> = paths.iter().map(|path| path.sampler).collect();
-    let samples_of = |pair: u32| {
-        PixelSampler::samples_2d(&samplers, pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + pair)
-    };
-    let lobes = if ctx.config.chooses_lobes { samples_of(pair::PAIR_LOBE) } else { vec![[0.0; 2]; samplers.len()] };
-    let samples = samples_of(pair::PAIR_CHOICE)
-        .into_iter()
-        .zip(samples_of(pair::PAIR_LIGHT))
-        .zip(samples_of(pair::PAIR_SCATTER))
-        .zip(lobes);
-    samples.map(|(((choice, light), scatter), [lobe, wavelength])| SurfaceSamples {
-        choice,
-        light,
-        scatter,
-        lobe,
-        wavelength,
-    })
+    radiance: &mut [Vec3],
+) -> Vec<ShadowTest> {
+    let samples = SurfaceSamples::new(ctx, paths, surface_index);
+    let mut shadow_tests = Vec::with_capacity(paths.len());
+    let mut lambertian = Vec::with_capacity(paths.len());
+    for (index, (vertex, scatters)) in vertices.iter().zip(&mut scatters).enumerate() {
+        if !*scatters {
+            continue;
+        }
+        let (path, samples) = (&mut paths[index], samples.of(index));
+        let next_ray = match vertex {
+            Vertex::Surface(interaction) if is_lambertian(ctx, interaction.leaf) => {
+                lambertian.push((index, interaction));
+                continue;
+            }
+            Vertex::Surface(interaction) => {
+                shade(ctx, path, interaction, &samples, surface_index, radiance, &mut shadow_tests)
+            }
+            Vertex::Medium => media_segment::scatter(ctx, path, surface_index, samples.scatter, samples.choice[1]),
+        };
+        *scatters = next_ray.is_some();
+    }
+    for surfaces in lambertian.chunks(8) {
+        let going_on = lambertian::shade(ctx, paths, surfaces, &samples, surface_index, &mut shadow_tests);
+        for (lane, (index, _)) in surfaces.iter().enumerate() {
+            scatters[*index] = going_on >> lane & 1 == 1;
+        }
+    }
+    let mut kept = scatters.into_iter();
+    paths.retain(|_| kept.next() == Some(true));
+    shadow_tests
 }
 
 /// Intersects the rays of paths. Removes paths without a hit and adds the radiance of the sky to them. Returns the
@@ -271,12 +310,31 @@ fn emitted_light(
     clamped(ctx, path.throughput * emission * weight, surface_index.saturating_sub(1))
 }
 
-/// Shades a surface interaction: adds emitted light, samples a light and samples the next ray. `None` ends the path.
+/// Adds the light that a surface emits towards a path. Returns true if it also scatters light.
+fn add_emission(
+    ctx: &TraceContext,
+    path: &Path,
+    interaction: &SurfaceInteraction,
+    surface_index: u32,
+    radiance: &mut [Vec3],
+) -> bool {
+    let material = ctx.scene.material_of(interaction.leaf);
+    if material.flags & (EMITS | GLOWS) != 0 {
+        let emission = Vec3::from(material.emission);
+        let textured = || TexturedPoint::new(ctx, interaction, path.length)?.emission();
+        let varies = ctx.config.emission_textures && material.has(GLOWS);
+        let emission = if varies { textured().unwrap_or(emission) } else { emission };
+        radiance[path.slot] += emitted_light(ctx, path, interaction, emission, surface_index);
+    }
+    !material.emits()
+}
+
+/// Shades a surface interaction: samples a light and the next ray. `None` ends the path.
 fn shade(
     ctx: &TraceContext,
     path: &mut Path,
     interaction: &SurfaceInteraction,
-    samples: &SurfaceSamples,
+    samples: &SurfaceSample,
     surface_index: u32,
     radiance: &mut [Vec3],
     shadow_tests: &mut Vec<ShadowTest>,
@@ -285,29 +343,13 @@ fn shade(
     let &SurfaceInteraction { p, normal, inside, normal_offset, .. } = interaction;
     let leaf = &ctx.scene.leaves[interaction.leaf];
     let material = &ctx.scene.materials[leaf.material as usize];
-    if material.emits() {
-        radiance[path.slot] += emitted_light(ctx, path, interaction, Vec3::from(material.emission), surface_index);
-        return None;
-    }
-    let glows = material.has(GLOWS);
-    if surface_index > frame.bounces && !glows {
-        return None;
-    }
     let bsdf = ctx.scene.bsdfs[leaf.material as usize]?;
     let textured = TexturedPoint::new(ctx, interaction, path.length);
-    if glows {
-        let emission = textured.as_ref().and_then(TexturedPoint::emission);
-        let emission = emission.unwrap_or(Vec3::from(material.emission));
-        radiance[path.slot] += emitted_light(ctx, path, interaction, emission, surface_index);
-        if surface_index > frame.bounces {
-            return None;
-        }
-    }
+    let [lobe, wavelength] = samples.lobe;
     let textured_parameters = textured.as_ref().map(|textured| textured.parameters(&material.parameters));
     let parameters = textured_parameters.as_ref().unwrap_or(&material.parameters);
     let carried = (&mut path.wavelength, &mut path.throughput);
-    let refracting =
-        refracting_parameters(ctx, &path.medium, interaction.leaf, parameters, carried, || samples.wavelength);
+    let refracting = refracting_parameters(ctx, &path.medium, interaction.leaf, parameters, carried, || wavelength);
     let parameters = refracting.as_ref().unwrap_or(parameters);
     // Shading normal; the geometric normal decides on which side a direction is.
     let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
@@ -336,18 +378,11 @@ fn shade(
             if (wi.z > 0.0 || transmits) && !crosses_surface(wi, light.direction) {
                 let evaluated = (bsdf.eval)(parameters, wo, wi, inside);
                 if evaluated.value.max_element() > 0.0 {
+                    let radiance = path.throughput * evaluated.value * light.irradiance;
+                    let origin = p + if is_transmission { -normal_offset } else { normal_offset };
                     shadow_tests.push(ShadowTest {
-                        slot: path.slot,
-                        radiance: path.throughput * evaluated.value * light.irradiance,
-                        scatter_pdf: evaluated.pdf,
-                        ray: Ray {
-                            origin: p + if is_transmission { -normal_offset } else { normal_offset },
-                            direction: light.direction,
-                        },
-                        light,
-                        path_length: path.length,
                         medium: if is_transmission { medium_beyond_surface(&path.medium) } else { path.medium },
-                        sampler: path.sampler,
+                        ..ShadowTest::new(ctx, path, origin, &light, (radiance, evaluated.pdf))
                     });
                 }
             }
@@ -371,7 +406,7 @@ fn shade(
         radiance[path.slot] += clamped(ctx, caustics, surface_index);
     }
     let [u, v] = samples.scatter;
-    let scattered = (bsdf.sample)(parameters, wo, inside, [u, v, samples.lobe])?;
+    let scattered = (bsdf.sample)(parameters, wo, inside, [u, v, lobe])?;
     let direction = (world_from_local * scattered.wi).normalize();
     if crosses_surface(scattered.wi, direction) {
         return None;

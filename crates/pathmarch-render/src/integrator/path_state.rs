@@ -11,9 +11,9 @@ use pathmarch_scene::materials::dispersion;
 shared_constants! {
     /// Survival probability of a path divided by its throughput: Russian roulette never ends a path of throughput 1/3
     /// or more.
-    const SURVIVAL_FACTOR: f32 = 3.0;
+    pub(super) const SURVIVAL_FACTOR: f32 = 3.0;
     /// Number of bounces without Russian roulette.
-    const ROULETTE_DEPTH: u32 = 4;
+    pub(super) const ROULETTE_DEPTH: u32 = 4;
 }
 
 /// Path before its next surface.

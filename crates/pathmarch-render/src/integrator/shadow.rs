@@ -11,6 +11,7 @@
 use super::light_sampling::{self, LightSample};
 use super::nested_dielectrics;
 use super::participating_media::{medium_after, transmittance_in};
+use super::path_state::Path;
 use crate::intersect::march::{MAX_STEPS, march, tolerance};
 use crate::intersect::ray::{Hit, Ray, RaySegment};
 use crate::sampling::sobol::PixelSampler;
@@ -38,16 +39,45 @@ pub(super) struct ShadowTest {
     pub(super) slot: usize,
     /// Radiance without occlusion, W/(m² sr).
     pub(super) radiance: Vec3,
-    /// Pdf of BSDF sampling for the direction to the light, over solid angle.
-    pub(super) scatter_pdf: f32,
-    pub(super) light: LightSample,
+    /// Weight of multiple importance sampling (MIS).
+    pub(super) weight: f32,
     pub(super) ray: Ray,
+    /// Largest distance of an occluder along the ray, metres.
+    pub(super) distance: f32,
+    /// Leaf that the ray must hit, for a light that it may miss.
+    pub(super) target: Option<u32>,
+    /// Sharpness of shadows from near misses; 0 for exact shadows.
+    pub(super) penumbra: f32,
     /// Length of the path before the shadow ray, metres.
     pub(super) path_length: f32,
     /// Media of the solids around the ray.
     pub(super) medium: Medium,
     /// Random numbers of the path.
     pub(super) sampler: PixelSampler,
+}
+
+impl ShadowTest {
+    /// Test of a light sample from `origin`, where BSDF sampling has the pdf `scatter_pdf` over solid angle for its direction.
+    pub(super) fn new(
+        ctx: &TraceContext,
+        path: &Path,
+        origin: Vec3,
+        light: &LightSample,
+        (radiance, scatter_pdf): (Vec3, f32),
+    ) -> Self {
+        Self {
+            slot: path.slot,
+            radiance,
+            weight: light_sampling::sample_weight(ctx.config.direct_lighting, light.pdf, scatter_pdf),
+            ray: Ray { origin, direction: light.direction },
+            distance: light.distance,
+            target: light.target,
+            penumbra: light.penumbra,
+            path_length: path.length,
+            medium: path.medium,
+            sampler: path.sampler,
+        }
+    }
 }
 
 /// Traces the shadow rays of surface `surface_index` of all paths. Returns slot and radiance of the tests with any
@@ -57,7 +87,7 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
     let mut pending = tests;
     if ctx.config.penumbra {
         pending.retain(|test| {
-            let LightSample { distance, penumbra, .. } = test.light;
+            let &ShadowTest { distance, penumbra, .. } = test;
             if penumbra > 0.0 {
                 let visibility = near_misses(ctx, test.ray, distance, penumbra);
                 let attenuation = transmittance_in(ctx, &test.medium, distance);
@@ -65,10 +95,6 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
             }
             penumbra <= 0.0
         });
-    }
-    for test in &mut pending {
-        let (light_pdf, scatter_pdf) = (test.light.pdf, test.scatter_pdf);
-        test.light.weight = light_sampling::sample_weight(ctx.config.direct_lighting, light_pdf, scatter_pdf);
     }
     let passed_surfaces = match ctx.config {
         KernelConfig { boundaries: true, .. } | KernelConfig { nested_dielectrics: true, .. } => MAX_CROSSINGS,
@@ -80,12 +106,12 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
             break;
         }
         let segment_of =
-            |test: &ShadowTest| RaySegment { ray: test.ray, path_length: test.path_length, limit: test.light.distance };
+            |test: &ShadowTest| RaySegment { ray: test.ray, path_length: test.path_length, limit: test.distance };
         let segments: Vec<RaySegment> = pending.iter().map(segment_of).collect();
         let hits = march(ctx, &segments);
         if ctx.config.absorption {
             for (test, occluder) in pending.iter_mut().zip(&hits) {
-                let length = occluder.map_or(test.light.distance, |hit| hit.t);
+                let length = occluder.map_or(test.distance, |hit| hit.t);
                 test.radiance *= transmittance_in(ctx, &test.medium, length);
             }
         }
@@ -93,9 +119,9 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
         let mut results = segments.into_iter().zip(hits);
         pending.retain(|test| {
             let occluder = results.next().and_then(|(segment, hit)| Some((segment, hit?)));
-            let has_target = test.light.target.is_some();
+            let has_target = test.target.is_some();
             if occluder.is_none() && !has_target {
-                direct_light.push((test.slot, test.radiance * test.light.weight));
+                direct_light.push((test.slot, test.radiance * test.weight));
             }
             let may_continue = has_target || passed_surfaces > 0;
             occluders.extend(occluder.filter(|_| may_continue));
@@ -106,13 +132,13 @@ pub(super) fn direct_light(ctx: &TraceContext, tests: Vec<ShadowTest>, surface_i
         let mut interactions = occluders.into_iter().zip(interactions);
         pending.retain_mut(|test| {
             interactions.next().is_some_and(|((_, Hit { t, .. }), occluder)| {
-                if test.light.target != Some(occluder.leaf as u32) {
+                if test.target != Some(occluder.leaf as u32) {
                     return pass_through(ctx, test, t, &occluder);
                 }
                 // From inside glass, only BSDF sampling contributes the light.
                 let from_glass = occluder.inside && ctx.scene.leaves[occluder.leaf].has(IN_GLASS);
                 if !from_glass && ctx.scene.emits_towards(occluder.leaf, -test.ray.direction) {
-                    direct_light.push((test.slot, test.radiance * test.light.weight));
+                    direct_light.push((test.slot, test.radiance * test.weight));
                 }
                 false
             })
@@ -130,7 +156,7 @@ fn pass_through(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder: &Su
     if material.has(BOUNDARY) || is_nested && ctx.scene.is_skipped(&test.medium, occluder.leaf) {
         test.medium = medium_after(ctx, &test.medium, occluder.leaf, occluder.inside);
         test.ray.origin = occluder.p - occluder.normal_offset;
-        test.light.distance -= t;
+        test.distance -= t;
         return true;
     }
     if !ctx.config.fast_caustics || material.flags & CLEAR != CLEAR {
@@ -145,9 +171,9 @@ fn pass_through(ctx: &TraceContext, test: &mut ShadowTest, t: f32, occluder: &Su
     test.radiance *= straight_transmittance(&parameters, cosine.min(1.0));
     test.medium = medium_after(ctx, &test.medium, occluder.leaf, occluder.inside);
     // BSDF sampling leaves out this light.
-    test.light.weight = 1.0;
+    test.weight = 1.0;
     test.ray.origin = occluder.p - occluder.normal_offset;
-    test.light.distance -= t;
+    test.distance -= t;
     true
 }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use pathmarch_field::graph::{RayKind, SPHERE_TRACED};
-use pathmarch_field::number::Vec3 as FieldVec3;
+use pathmarch_field::number::{Mask8, Vec3 as FieldVec3};
 use wide::f32x8;
 
 /// Ray in world space.
@@ -34,6 +34,25 @@ impl RaySegment {
 #[inline(always)]
 pub(crate) fn lanes(value: impl Fn(usize) -> f32) -> f32x8 {
     f32x8::from(std::array::from_fn(value))
+}
+
+/// Lanes whose bit is set.
+#[inline(always)]
+pub(crate) fn mask_of(bits: u32) -> Mask8 {
+    Mask8(lanes(|lane| (bits >> lane & 1) as f32).simd_gt(f32x8::ZERO))
+}
+
+/// Eight vectors as a structure of arrays.
+#[inline(always)]
+pub(crate) fn pack(vectors: [Vec3; 8]) -> FieldVec3<f32x8> {
+    FieldVec3::new(lanes(|lane| vectors[lane].x), lanes(|lane| vectors[lane].y), lanes(|lane| vectors[lane].z))
+}
+
+/// Vectors of the eight lanes.
+#[inline(always)]
+pub(crate) fn unpack(v: FieldVec3<f32x8>) -> [Vec3; 8] {
+    let [x, y, z] = [v.x, v.y, v.z].map(f32x8::to_array);
+    std::array::from_fn(|lane| Vec3::new(x[lane], y[lane], z[lane]))
 }
 
 /// Eight rays as a structure of arrays. Copies of the first ray fill the last lanes.

@@ -1,6 +1,8 @@
 //! Orthonormal bases around a direction.
 
 use glam::{Mat3, Vec3};
+use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
+use wide::f32x8;
 
 /// Right-handed orthonormal basis with `n` as its z axis (Duff et al. 2017, "Building an Orthonormal Basis,
 /// Revisited"). The matrix maps local to world space, its transpose maps world to local space.
@@ -11,6 +13,31 @@ pub(crate) fn basis(n: Vec3) -> Mat3 {
     let b = n.x * n.y * a;
     let tangent = Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
     Mat3::from_cols(tangent, Vec3::new(b, sign + n.y * n.y * a, -n.y), n)
+}
+
+/// [`basis`] of eight directions.
+pub(crate) struct Basis8 {
+    tangent: FieldVec3<f32x8>,
+    bitangent: FieldVec3<f32x8>,
+    normal: FieldVec3<f32x8>,
+}
+
+impl Basis8 {
+    #[inline(always)]
+    pub(crate) fn new(n: FieldVec3<f32x8>) -> Self {
+        let one = f32x8::ONE;
+        let sign = Real::select(Mask8(n.z.simd_lt(f32x8::ZERO)), -one, one);
+        let a = -one / (sign + n.z);
+        let b = n.x * n.y * a;
+        let tangent = FieldVec3::new(one + sign * n.x * n.x * a, sign * b, -sign * n.x);
+        Self { tangent, bitangent: FieldVec3::new(b, sign + n.y * n.y * a, -n.y), normal: n }
+    }
+
+    /// Maps local to world space.
+    #[inline(always)]
+    pub(crate) fn to_world(&self, v: FieldVec3<f32x8>) -> FieldVec3<f32x8> {
+        self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
+    }
 }
 
 /// Unit vector to the viewer in the frame of a BSDF, from world space, on the side of the normal. The normal of a rough field

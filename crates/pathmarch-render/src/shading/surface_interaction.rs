@@ -1,7 +1,7 @@
 //! Surface interactions: position, normal, side and leaf of hits, eight at a time.
 
 use crate::intersect::march::{rounding_at, start_offset};
-use crate::intersect::ray::{Hit, RaySegment, Rays8, lanes};
+use crate::intersect::ray::{Hit, RaySegment, Rays8, lanes, unpack};
 use crate::scene::TraceContext;
 use crate::scene::leaf::{ANALYTIC, MESH_FIELD, TWO_SIDED};
 use glam::Vec3;
@@ -78,11 +78,9 @@ pub(crate) fn surface_interactions(
         let inside = Real::select(on_surface, -outward.dot(rays.direction), field.value).simd_lt(f32x8::ZERO);
         let normal = outward * Real::select(Mask8(inside), f32x8::splat(-1.0), f32x8::ONE);
         let clearance = lanes(|lane| meshes[lane].map_or(0.0, |mesh| mesh.clearance));
-        let (p, normal_offset) = (
-            to_lanes(hit_point - outward * residual),
-            to_lanes(normal * (start_offset(rounding, residual) + clearance)),
-        );
-        let (normal, outward, inside) = (to_lanes(normal), to_lanes(outward), inside.to_bitmask());
+        let (p, normal_offset) =
+            (unpack(hit_point - outward * residual), unpack(normal * (start_offset(rounding, residual) + clearance)));
+        let (normal, outward, inside) = (unpack(normal), unpack(outward), inside.to_bitmask());
         result.extend(chunk.iter().enumerate().map(|(lane, (segment, hit))| {
             let is_back = inside >> lane & 1 == 1;
             let is_turned = is_back && record(lane).has(TWO_SIDED);
@@ -104,6 +102,9 @@ pub(crate) fn surface_interactions(
 
 /// Geometry of up to eight hits with meshes.
 fn mesh_interactions(ctx: &TraceContext, hits: &[(RaySegment, Hit)]) -> [Option<MeshInteraction>; 8] {
+    if !ctx.scene.field.has_triangles() {
+        return [None; 8];
+    }
     let interaction = |(RaySegment { ray, .. }, hit): &(RaySegment, Hit)| {
         let (leaf, triangle) = (hit.analytic?, hit.triangle?);
         ctx.scene.field.mesh_interaction(leaf, triangle, ray.origin + ray.direction * hit.t)
@@ -161,10 +162,4 @@ fn with_nearest_triangles(
         }
     }
     (f32x8::from(leaves), attributes)
-}
-
-/// Vectors of the eight lanes.
-fn to_lanes(v: FieldVec3<f32x8>) -> [Vec3; 8] {
-    let [x, y, z] = [v.x, v.y, v.z].map(f32x8::to_array);
-    std::array::from_fn(|lane| Vec3::new(x[lane], y[lane], z[lane]))
 }

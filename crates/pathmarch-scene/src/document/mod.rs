@@ -587,7 +587,11 @@ impl Document {
     }
 
     fn keep_scene(&mut self) {
-        if let Ok(scene) = &self.reading.scene {
+        if let Ok(scene) = &mut self.reading.scene {
+            // Nobody else has the scene yet.
+            if let (Some(scene), Some(old)) = (Arc::get_mut(scene), &self.last_good) {
+                scene.field.follow(&old.field);
+            }
             self.last_good = Some(scene.clone());
             self.scene_revision += 1;
         }

@@ -19,20 +19,25 @@
 //! own list alone, whoever asks first. Each root has a share of the cells and list entries that are allowed; if they do not
 //! suffice, it is built again with longer lists.
 //!
+//! **Edits.** Roots have one of eight sizes for each power of two, and their places are multiples of it, so that a small change of
+//! the bounds seldom moves them. After an edit, the roots whose shapes are unchanged keep their descendants.
+//!
 //! Cost: a few evaluations of the listed shapes for each cell, eight cells at a time.
 
-use super::ShapeGrid;
+use super::{Previous, ShapeGrid};
 use crate::blend::{Blend, BlendProfile};
 use crate::graph::Field;
 use crate::number::{Mask8, Real, Vec3};
 use crate::registry::union;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use wide::f32x8;
 
-/// Root cells along the longest edge.
+/// Root cells along the longest edge, if they begin at its end.
 const ROOTS: u32 = 16;
+/// Largest number of root cells along an edge.
+const MAX_ROOTS: f32 = (ROOTS + 2) as f32;
 /// Root cells along each axis whose lists are pruned together, as a power of two.
 const BLOCK: u32 = 2;
 /// Splits of the cells of each level along each axis, as powers of two.
@@ -96,12 +101,14 @@ struct Root {
     block_length: usize,
     /// Distance of the union at its centre, metres.
     distance: f32,
-    cells: OnceLock<RootCells>,
+    cells: OnceLock<Arc<RootCells>>,
 }
 
 /// Root cell and its descendants.
 #[derive(Debug)]
 struct RootCells {
+    /// Length up to which cells were not split.
+    short: usize,
     root: Cell,
     cells: Vec<Cell>,
     /// Positions of shapes in the fold, ascending within each list.
@@ -138,18 +145,21 @@ impl SparseGrid {
         let size = (0..3).map(|k| max[k] - min[k]).fold(1e-6, f32::max);
         let extent = min.iter().chain(&max).map(|v| v.abs()).fold(size, f32::max);
         let margin = (size * MARGIN).max(1e-5 * extent);
-        let edge = (size + 2.0 * margin) / (ROOTS << BITS) as f32;
-        let root = edge * (1 << BITS) as f32;
-        let counts = std::array::from_fn(|k| (((max[k] - min[k] + 2.0 * margin) / root).ceil() as u32).clamp(1, ROOTS));
-        let negligible = 6e-8 * extent;
+        // The next of eight sizes for each power of two.
+        let root = (8.0 * ((size + 2.0 * margin) / ROOTS as f32).log2()).ceil();
+        let root = (root / 8.0).exp2();
+        let first = min.map(|min| ((min - margin) / root).floor());
+        let counts =
+            std::array::from_fn(|k| (((max[k] + margin) / root).ceil() - first[k]).clamp(1.0, MAX_ROOTS) as u32);
+        let end = |k: usize| (first[k] + counts[k] as f32).abs().max(first[k].abs());
+        let negligible = 6e-8 * root * end(0).max(end(1)).max(end(2));
         let slopes = shape_grid.leaves.iter().map(|&leaf| {
             let leaf = &field.leaves[leaf as usize];
             leaf.shape.lipschitz(&leaf.params)
         });
         let mut grid = Self {
-            // Centred in its cells.
-            min: std::array::from_fn(|k| 0.5 * (min[k] + max[k] - counts[k] as f32 * root)),
-            edge,
+            min: first.map(|first| first * root),
+            edge: root / (1 << BITS) as f32,
             counts,
             lipschitz: slopes.fold(1.0, f32::max),
             negligible,
@@ -168,7 +178,38 @@ impl SparseGrid {
         }
         grid.entries = roots.iter().map(|root| root.list.len()).sum::<usize>().max(1);
         grid.roots = roots;
+        if let Some((previous, grid_before)) = shape_grid.previous.as_ref().and_then(|p| Some((p, p.grid.get()?))) {
+            grid.take_over(grid_before, previous);
+        }
         grid
+    }
+
+    /// Takes the descendants of those roots from an earlier grid that building them would repeat.
+    fn take_over(&mut self, old: &Self, previous: &Previous) {
+        let key =
+            |grid: &Self| (grid.min, grid.edge, grid.counts, grid.lipschitz, grid.negligible, grid.cutoff, grid.short);
+        if key(self) != key(old) {
+            return;
+        }
+        let is_within = |length: usize, root: &Root, most: usize| length <= self.share(root, most);
+        for (root, before) in self.roots.iter().zip(&old.roots) {
+            let Some(cells) = before.cells.get() else { continue };
+            let is_same = root.list == before.list
+                && root.block_length == before.block_length
+                && root.distance == before.distance
+                && root.list.iter().all(|&number| !previous.changed[number as usize])
+                && cells.short == self.short
+                && is_within(cells.cells.len(), root, MAX_CELLS)
+                && is_within(cells.lists.len(), root, MAX_ENTRIES);
+            if is_same {
+                root.cells.get_or_init(|| cells.clone());
+            }
+        }
+    }
+
+    /// Share of a root in a largest number.
+    fn share(&self, root: &Root, most: usize) -> usize {
+        (most as f64 * root.list.len() as f64 / self.entries as f64) as usize
     }
 
     /// Memory, bytes.
@@ -186,13 +227,12 @@ impl SparseGrid {
             let [nx, ny, _] = self.counts;
             let number = index as u32;
             let place = [number % nx, number / nx % ny, number / (nx * ny)];
-            self.build_root(field, shape_grid, place, &self.roots[index])
+            Arc::new(self.build_root(field, shape_grid, place, &self.roots[index]))
         })
     }
 
     /// Builds the cells of a root, with longer lists if there would be more than its share.
     fn build_root(&self, field: &Field, shape_grid: &ShapeGrid, place: [u32; 3], root: &Root) -> RootCells {
-        let share = |most: usize| (most as f64 * root.list.len() as f64 / self.entries as f64) as usize;
         let mut short = self.short;
         loop {
             // Lists of all shapes cannot get longer.
@@ -200,15 +240,15 @@ impl SparseGrid {
             let mut builder = RootBuilder {
                 pruner: Pruner::new(field, shape_grid, self, root.list.clone()),
                 short,
-                max_cells: if is_unlimited { usize::MAX } else { share(MAX_CELLS) },
-                max_entries: if is_unlimited { usize::MAX } else { share(MAX_ENTRIES) },
+                max_cells: if is_unlimited { usize::MAX } else { self.share(root, MAX_CELLS) },
+                max_entries: if is_unlimited { usize::MAX } else { self.share(root, MAX_ENTRIES) },
                 cells: Vec::new(),
                 lists: Vec::new(),
                 last_list: 0..0,
             };
             let pending = Pruned { list: 0..root.list.len(), distance: root.distance };
             if let Some(root) = builder.build_cell(place, 0, &pending, root.block_length) {
-                return RootCells { root, cells: builder.cells, lists: builder.lists };
+                return RootCells { short, root, cells: builder.cells, lists: builder.lists };
             }
             short *= 2;
         }
@@ -254,7 +294,7 @@ impl SparseGrid {
             at.clamp(0.0, count - 1.0) as u32
         });
         let [x, y, z] = place.map(|v| v >> BITS);
-        let RootCells { root, cells, lists } =
+        let RootCells { root, cells, lists, .. } =
             self.root_cells(field, shape_grid, ((z * self.counts[1] + y) * self.counts[0] + x) as usize);
         let mut cell = root;
         let mut shift = BITS;

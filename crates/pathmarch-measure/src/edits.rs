@@ -1,0 +1,131 @@
+//! `pathmarch-measure edits`: time from a changed number to the picture of the changed scene, as in the window.
+//!
+//! **Method.** The first number of the last shape is moved to and fro, as by a slider. *Document* is the time until the
+//! text is changed and read, *first sample* the time from there to the first picture of a live renderer, whose size that
+//! renderer chooses for a picture that moves. Both take turns; the report has the medians.
+
+use crate::bench;
+use pathmarch_cli::{BackendArgument, DONE, Failure, outln, value_parsers};
+use pathmarch_render::live::{Live, RenderRequest};
+use pathmarch_render::pathmarch_scene::document::{Document, Item, Path as NodePath, Value};
+use pathmarch_render::reconstruct::ReconstructOptions;
+use pathmarch_render::tonemap::Display;
+use pathmarch_render::{Backend, Settings};
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// Longest wait for a picture.
+const LIMIT: Duration = Duration::from_secs(60);
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Scenes: scene files, or examples and generated scenes by name
+    #[arg(default_values = ["union-1000", "lights-1000"])]
+    scenes: Vec<PathBuf>,
+    /// Number of edits of each scene
+    #[arg(long, value_name = "N", default_value_t = 21, value_parser = value_parsers::whole((1, 10_000)), allow_hyphen_values = true)]
+    edits: u32,
+    /// Size of the pictures
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = value_parsers::size, allow_hyphen_values = true)]
+    size: [u32; 2],
+    /// Render backend
+    #[arg(long, value_enum, default_value = "auto")]
+    backend: BackendArgument,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    outln!("{:20} {:>8} {:>12} {:>16} {:>12}", "scene", "shapes", "document ms", "first sample ms", "picture");
+    for scene in &arguments.scenes {
+        let name = scene.to_string_lossy().into_owned();
+        let text = match bench::built_in(&name) {
+            Some(text) => text,
+            None => std::fs::read_to_string(scene).map_err(|error| Failure::Usage(format!("{name}: {error}")))?,
+        };
+        measure(arguments, &name, Document::new(name.clone(), text))?;
+    }
+    Ok(DONE)
+}
+
+/// Path, key and value of the first number of the last shape.
+fn number_of_last_shape(document: &Document) -> Option<(NodePath, String, f32)> {
+    fn shapes<'a>(items: &'a [Item], found: &mut Vec<&'a Item>) {
+        for item in items {
+            if item.children.is_empty() {
+                found.push(item);
+            }
+            shapes(&item.children, found);
+        }
+    }
+    let mut items = Vec::new();
+    shapes(document.outline(), &mut items);
+    items.iter().rev().filter(|item| item.path.indexes().len() > 1).find_map(|item| {
+        document.controls(&item.path).into_iter().find_map(|control| match control.value {
+            Value::Number(value) if value > 0.0 && control.given => {
+                Some((item.path.clone(), control.key.into_owned(), value))
+            }
+            _ => None,
+        })
+    })
+}
+
+fn measure(arguments: &Arguments, name: &str, mut document: Document) -> Result<(), Failure> {
+    let scene = document.scene().map_err(Failure::other)?.clone();
+    let Some((path, key, value)) = number_of_last_shape(&document) else {
+        return Err(Failure::Usage(format!("{name}: no shape with a number")));
+    };
+    let backend = Backend::from(arguments.backend);
+    let (sender, pictures) = channel();
+    let mut live = Live::new(backend, None, move || {
+        // The receiver outlives the renderer.
+        let _ = sender.send(());
+    });
+    let mut request = RenderRequest {
+        settings: Settings { size: arguments.size, ..Settings::of(&scene) },
+        scene,
+        display: Display::default(),
+        auto_exposure: false,
+        moving: true,
+        frame_time: Duration::from_millis(33),
+        reconstruct: Some(ReconstructOptions::default()),
+    };
+    show(&mut live, &request, &pictures)?;
+    let shapes = request.scene.field.leaves().len();
+    let (mut reading, mut rendering, mut size) = (Vec::new(), Vec::new(), [0; 2]);
+    for edit in 0..arguments.edits {
+        let factor = if edit % 2 == 0 { 0.98 } else { 1.0 };
+        let started = Instant::now();
+        document.set(&path, &key, Value::Number(value * factor), Some(1)).map_err(Failure::other)?;
+        request.scene = document.scene().map_err(Failure::other)?.clone();
+        reading.push(started.elapsed());
+        let started = Instant::now();
+        size = show(&mut live, &request, &pictures)?;
+        rendering.push(started.elapsed());
+    }
+    let [reading, rendering] = [reading, rendering].map(median);
+    outln!("{name:20} {shapes:>8} {reading:>12.1} {rendering:>16.1} {:>12}", format!("{}x{}", size[0], size[1]));
+    Ok(())
+}
+
+/// Shows a request, waits for its first picture, and returns its size.
+fn show(live: &mut Live, request: &RenderRequest, pictures: &Receiver<()>) -> Result<[u32; 2], Failure> {
+    let number = live.show(request.clone());
+    let end = Instant::now() + LIMIT;
+    loop {
+        if let Some(picture) = live.picture().filter(|picture| picture.request == number) {
+            return Ok(picture.size);
+        }
+        if let Some(error) = live.status().error {
+            return Err(Failure::Usage(error));
+        }
+        pictures
+            .recv_timeout(end.saturating_duration_since(Instant::now()))
+            .map_err(|_| Failure::Usage("no picture after a minute".to_owned()))?;
+    }
+}
+
+/// Median, milliseconds.
+fn median(mut times: Vec<Duration>) -> f64 {
+    times.sort();
+    times[times.len() / 2].as_secs_f64() * 1000.0
+}

@@ -1,0 +1,222 @@
+//! Light sampling in SIMD lanes: directions to lights from eight points, as [`light_sampling`](super::light_sampling)
+//! samples them for one point.
+//!
+//! Spheres, rectangles and points are sampled side by side, lights of other kinds one by one.
+
+use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, sample_direction};
+use crate::intersect::ray::{lanes, mask_of, pack, unpack};
+use crate::sampling::basis::Basis8;
+use crate::scene::TraceContext;
+use crate::scene::light::{LightShape, PointLight, SheetLight, SphereLight};
+use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
+use pathmarch_scene::DirectLighting;
+use std::f32::consts::TAU;
+use wide::f32x8;
+
+/// Light samples of eight points; see [`LightSample`](super::light_sampling::LightSample).
+pub(super) struct LightSamples {
+    pub(super) direction: FieldVec3<f32x8>,
+    pub(super) distance: f32x8,
+    pub(super) irradiance: FieldVec3<f32x8>,
+    pub(super) pdf: f32x8,
+    /// Lanes with a sample.
+    pub(super) exist: Mask8,
+}
+
+impl LightSamples {
+    /// Replaces lanes.
+    fn set(&mut self, lanes: Mask8, sample: &Self) {
+        let select = |new: f32x8, old: f32x8| Real::select(lanes, new, old);
+        let select_vector = |new: FieldVec3<f32x8>, old: FieldVec3<f32x8>| {
+            FieldVec3::new(select(new.x, old.x), select(new.y, old.y), select(new.z, old.z))
+        };
+        self.direction = select_vector(sample.direction, self.direction);
+        self.irradiance = select_vector(sample.irradiance, self.irradiance);
+        self.distance = select(sample.distance, self.distance);
+        self.pdf = select(sample.pdf, self.pdf);
+        self.exist = self.exist | lanes & sample.exist;
+    }
+}
+
+/// Lights of one kind, where the others are replaced by one of them, and the lanes of this kind. `None` if there is none.
+fn of_kind<'a, T>(
+    lights: &[Option<ChosenLight<'a>>; 8],
+    kind: impl Fn(&'a LightShape) -> Option<&'a T>,
+) -> Option<([&'a T; 8], Mask8)> {
+    let of_lane = lights.each_ref().map(|light| light.as_ref().and_then(|light| kind(light.shape)));
+    let any = of_lane.iter().flatten().next()?;
+    Some((of_lane.map(|light| light.unwrap_or(any)), mask_where(|lane| of_lane[lane].is_some())))
+}
+
+fn shape_of<'a>(light: &Option<ChosenLight<'a>>) -> Option<&'a LightShape> {
+    light.as_ref().map(|light| light.shape)
+}
+
+/// Sphere that is sampled in the cone that it subtends.
+fn sphere(shape: &LightShape) -> Option<&SphereLight> {
+    match shape {
+        LightShape::Sphere(sphere) | LightShape::Bounded(sphere) => Some(sphere),
+        _ => None,
+    }
+}
+
+fn rect(shape: &LightShape) -> Option<&SheetLight> {
+    if let LightShape::Rect(sheet) = shape { Some(sheet) } else { None }
+}
+
+fn point(shape: &LightShape) -> Option<&PointLight> {
+    if let LightShape::Point(point) = shape { Some(point) } else { None }
+}
+
+/// Lanes for which a condition holds.
+fn mask_where(condition: impl Fn(usize) -> bool) -> Mask8 {
+    mask_of((0..8).map(|lane| u32::from(condition(lane)) << lane).sum())
+}
+
+/// Samples a direction from each point to its light. Lanes without a light have no sample.
+pub(super) fn sample_directions(
+    ctx: &TraceContext,
+    lights: &[Option<ChosenLight>; 8],
+    p: FieldVec3<f32x8>,
+    position: [f32x8; 2],
+) -> LightSamples {
+    let zero = FieldVec3::splat(f32x8::ZERO);
+    let mut samples =
+        LightSamples { direction: zero, irradiance: zero, distance: f32x8::ZERO, pdf: f32x8::ZERO, exist: mask_of(0) };
+    if let Some((spheres, lanes)) = of_kind(lights, sphere) {
+        let bounded = mask_where(|lane| matches!(shape_of(&lights[lane]), Some(LightShape::Bounded(_))));
+        samples.set(lanes, &sample_spheres(spheres, bounded, p, position));
+    }
+    if let Some((sheets, lanes)) = of_kind(lights, rect) {
+        samples.set(lanes, &sample_rects(sheets, p, position));
+    }
+    if let Some((points, lanes)) = of_kind(lights, point) {
+        samples.set(lanes, &sample_points(points, p));
+    }
+    let pmf = lanes(|lane| lights[lane].as_ref().map_or(0.0, |light| light.pmf));
+    let inverse_pmf = lanes(|lane| lights[lane].as_ref().map_or(0.0, |light| light.inverse_pmf));
+    (samples.pdf, samples.irradiance) = (samples.pdf * pmf, samples.irradiance * inverse_pmf);
+    let is_other = |light: &Option<ChosenLight>| {
+        shape_of(light).is_some_and(|shape| sphere(shape).is_none() && rect(shape).is_none() && point(shape).is_none())
+    };
+    if lights.iter().any(is_other) {
+        sample_others(ctx, lights, is_other, &mut samples, p, position);
+    }
+    samples
+}
+
+/// Samples spheres in the cones that they subtend; see [`sample_direction`]. The choice of the lights is not in pdf and irradiance.
+fn sample_spheres(
+    spheres: [&SphereLight; 8],
+    bounded: Mask8,
+    p: FieldVec3<f32x8>,
+    position: [f32x8; 2],
+) -> LightSamples {
+    let (zero, one, two) = (f32x8::ZERO, f32x8::ONE, f32x8::splat(2.0));
+    let radius = lanes(|lane| spheres[lane].radius);
+    let offset = pack(spheres.map(|sphere| sphere.centre)) - p;
+    let square = offset.dot(offset);
+    let sine_square = radius * radius / square.fast_max(f32x8::splat(1e-30));
+    let is_inside = Mask8(sine_square.simd_ge(one));
+    let outside = sine_square / (one + (one - sine_square).fast_max(zero).sqrt());
+    let one_minus_cos = Real::select(is_inside, two, outside);
+    let axis = normalize_or_up(offset, square);
+    let one_minus_cos_theta = one_minus_cos * position[0];
+    let sine = (one_minus_cos_theta * (two - one_minus_cos_theta)).fast_max(zero).sqrt();
+    let (sin_phi, cos_phi) = (f32x8::splat(TAU) * position[1]).sin_cos();
+    let local = FieldVec3::new(sine * cos_phi, sine * sin_phi, one - one_minus_cos_theta);
+    let direction = Basis8::new(axis).to_world(local);
+    let direction = direction / direction.length();
+    let along = offset.dot(direction);
+    let across = offset - direction * along;
+    let half_chord = (radius * radius - across.dot(across)).fast_max(zero).sqrt();
+    let entry = Real::select(Mask8(along.simd_gt(half_chord)), along - half_chord, along + half_chord);
+    let solid_angle = f32x8::splat(TAU) * one_minus_cos;
+    LightSamples {
+        direction,
+        distance: Real::select(bounded, f32x8::splat(f32::INFINITY), entry * f32x8::splat(SHADOW_RAY_SHARE)),
+        irradiance: pack(spheres.map(|sphere| sphere.radiance)) * solid_angle,
+        pdf: one / solid_angle,
+        exist: f32x8::truth(true),
+    }
+}
+
+/// Unit vectors along `offset`, whose squared lengths are `square`; up where it has no length.
+fn normalize_or_up(offset: FieldVec3<f32x8>, square: f32x8) -> FieldVec3<f32x8> {
+    let is_long = Mask8(square.simd_gt(f32x8::ZERO));
+    let inverse = Real::select(is_long, f32x8::ONE / square.sqrt(), f32x8::ZERO);
+    let unit = offset * inverse;
+    FieldVec3::new(unit.x, Real::select(is_long, unit.y, f32x8::ONE), unit.z)
+}
+
+/// Samples rectangles by area, like [`sample_spheres`].
+fn sample_rects(sheets: [&SheetLight; 8], p: FieldVec3<f32x8>, position: [f32x8; 2]) -> LightSamples {
+    let [u, v] = position.map(|value| value + value - f32x8::ONE);
+    let [x, z] = [0, 1].map(|axis| pack(sheets.map(|sheet| sheet.axes[axis])));
+    let offset = pack(sheets.map(|sheet| sheet.centre)) + x * u + z * v - p;
+    let square = offset.dot(offset);
+    let distance = square.sqrt();
+    let direction = offset * (f32x8::ONE / distance);
+    let cosine = -pack(sheets.map(|sheet| sheet.normal)).dot(direction);
+    let solid_angle = lanes(|lane| sheets[lane].area) * cosine / square;
+    LightSamples {
+        direction,
+        distance: distance * f32x8::splat(SHADOW_RAY_SHARE),
+        irradiance: pack(sheets.map(|sheet| sheet.radiance)) * solid_angle,
+        pdf: f32x8::ONE / solid_angle,
+        exist: Mask8(cosine.simd_gt(f32x8::ZERO)),
+    }
+}
+
+/// Directions to points, like [`sample_spheres`].
+fn sample_points(points: [&PointLight; 8], p: FieldVec3<f32x8>) -> LightSamples {
+    let offset = pack(points.map(|point| point.position)) - p;
+    let distance = offset.length();
+    let inverse = f32x8::ONE / distance;
+    LightSamples {
+        direction: offset * inverse,
+        distance,
+        irradiance: pack(points.map(|point| point.radiant_intensity)) * (inverse * inverse),
+        pdf: f32x8::ZERO,
+        exist: f32x8::truth(true),
+    }
+}
+
+/// Samples lights one by one.
+#[cold]
+fn sample_others(
+    ctx: &TraceContext,
+    lights: &[Option<ChosenLight>; 8],
+    is_other: impl Fn(&Option<ChosenLight>) -> bool,
+    samples: &mut LightSamples,
+    p: FieldVec3<f32x8>,
+    position: [f32x8; 2],
+) {
+    let (p, [u, v]) = (unpack(p), position.map(f32x8::to_array));
+    let (mut direction, mut irradiance) = (unpack(samples.direction), unpack(samples.irradiance));
+    let (mut distance, mut pdf, mut exist) = (samples.distance.to_array(), samples.pdf.to_array(), 0);
+    for (lane, light) in lights.iter().enumerate().filter(|(_, light)| is_other(light)) {
+        let sample = light.as_ref().and_then(|light| sample_direction(ctx, light, p[lane], [u[lane], v[lane]]));
+        if let Some(sample) = sample {
+            (direction[lane], irradiance[lane]) = (sample.direction, sample.irradiance);
+            (distance[lane], pdf[lane]) = (sample.distance, sample.pdf);
+            exist |= 1 << lane;
+        }
+    }
+    (samples.direction, samples.irradiance) = (pack(direction), pack(irradiance));
+    (samples.distance, samples.pdf) = (distance.into(), pdf.into());
+    samples.exist = samples.exist | mask_of(exist);
+}
+
+/// MIS weights of light sampling; see [`sample_weight`](super::light_sampling::sample_weight).
+pub(super) fn sample_weights(search: DirectLighting, light_pdf: f32x8, scatter_pdf: f32x8) -> f32x8 {
+    let weight = match search {
+        DirectLighting::Mis => {
+            let ratio = scatter_pdf / light_pdf.fast_max(f32x8::splat(1e-30));
+            f32x8::ONE / (f32x8::ONE + ratio * ratio)
+        }
+        DirectLighting::LightSampling => f32x8::ONE,
+        DirectLighting::BsdfSampling => f32x8::ZERO,
+    };
+    Real::select(Mask8(light_pdf.simd_le(f32x8::ZERO)), f32x8::ONE, weight)
+}
