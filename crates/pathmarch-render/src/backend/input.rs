@@ -147,7 +147,9 @@ impl RenderInput {
     /// Photon map of a sample, with traced caustics. Samples that share a camera ray share a map.
     pub(crate) fn photon_map(&self, sample: u32) -> Option<PhotonMap> {
         let index = camera_ray_index(sample, self.config.splitting);
-        self.emission.as_ref().map(|emission| photons::photon_map(&self.context(None), emission, index))
+        // A caustic is a bounce.
+        let emission = self.emission.as_ref().filter(|_| self.frame.bounces > 0);
+        emission.map(|emission| photons::photon_map(&self.context(None), emission, index))
     }
 
     /// Radiance and guides of sample `sample` of each pixel of a path-traced picture without shared camera rays.

@@ -19,9 +19,9 @@ use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 use wide::f32x8;
 
-/// Reports whether [`shade`] may shade this leaf.
+/// Reports whether [`shade`] may shade this leaf: it knows no photons.
 pub(super) fn is_lambertian(ctx: &TraceContext, leaf: usize) -> bool {
-    !ctx.config.traced_caustics && ctx.scene.material_of(leaf).has(LAMBERTIAN)
+    ctx.photons.is_none() && ctx.scene.material_of(leaf).has(LAMBERTIAN)
 }
 
 /// Albedo and shading normal at the end of a path.
@@ -109,6 +109,7 @@ pub(super) fn shade(
         path.previous_normal = Some(normals[lane]);
         path.throughput = throughputs[lane];
         path.lights_are_counted = false;
+        path.met_photons |= ctx.config.traced_caustics;
         path.ray = Ray { origin: origins[lane], direction: directions[lane] };
         path.scatter_pdf = scatter_pdfs[lane];
     }

@@ -48,10 +48,10 @@ pub(crate) const BITS: u32 = 5;
 const SHORT: usize = 4;
 /// Distance from a surface, in half diagonals, from which a cell has no list.
 const FAR: f32 = 2.0;
-/// Largest number of cells.
-const MAX_CELLS: usize = 1 << 20;
-/// Largest number of entries of all lists together.
-const MAX_ENTRIES: usize = 1 << 23;
+/// Largest number of cells, of all roots and that of each that is always allowed.
+const MAX_CELLS: [usize; 2] = [1 << 20, 640];
+/// Largest number of entries of lists, likewise.
+const MAX_ENTRIES: [usize; 2] = [1 << 23, 1 << 13];
 /// Margin around the bounds, as a fraction of their size.
 const MARGIN: f32 = 1.0 / 64.0;
 /// Factor on cell sizes, for the rounding of points and centres.
@@ -191,7 +191,7 @@ impl SparseGrid {
         if key(self) != key(old) {
             return;
         }
-        let is_within = |length: usize, root: &Root, most: usize| length <= self.share(root, most);
+        let is_within = |length: usize, root: &Root, most: [usize; 2]| length <= self.share(root, most);
         for (root, before) in self.roots.iter().zip(&old.roots) {
             let Some(cells) = before.cells.get() else { continue };
             let is_same = root.list == before.list
@@ -208,8 +208,8 @@ impl SparseGrid {
     }
 
     /// Share of a root in a largest number.
-    fn share(&self, root: &Root, most: usize) -> usize {
-        (most as f64 * root.list.len() as f64 / self.entries as f64) as usize
+    fn share(&self, root: &Root, [of_all, of_each]: [usize; 2]) -> usize {
+        ((of_all as f64 * root.list.len() as f64 / self.entries as f64) as usize).max(of_each)
     }
 
     /// Memory, bytes.
