@@ -29,10 +29,12 @@ mod regression;
 mod residual;
 mod signal;
 
+pub use crate::output::half_films::HalfFilms;
+use crate::output::half_films::Means;
 use crate::output::image::Picture;
 pub use features::Features;
 use glam::Vec3;
-pub use halves::{HalfBuffers, HalfFilms};
+pub use halves::HalfBuffers;
 pub use oidn::LIBRARY_VARIABLE;
 use rayon::prelude::*;
 use regression::{Pilot, Regression, Stage};
@@ -151,7 +153,7 @@ fn regression(samples: &HalfFilms, features: &Features) -> Vec<Vec3> {
 
 /// Share of the filtered picture in the result: 0 for a picture with so little noise that the filter may only harm it, 1
 /// for one with noise.
-fn filtered_share(means: &halves::Means) -> f32 {
+fn filtered_share(means: &Means) -> f32 {
     let share = means.first_share;
     if share <= 0.0 || share >= 1.0 {
         return 1.0;

@@ -2,7 +2,7 @@
 
 use super::features::{Features, PixelFeatures};
 use super::grid::Grid;
-use super::halves::HalfFilms;
+use crate::output::half_films::HalfFilms;
 use glam::Vec3;
 use rayon::prelude::*;
 

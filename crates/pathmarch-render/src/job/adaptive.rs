@@ -20,10 +20,10 @@
 use super::motion::{MotionBlur, Shutter};
 use super::{BackendInfo, Job, Renderer, Work};
 use crate::backend::RenderInput;
-use crate::denoise::HalfFilms;
 use crate::error::RenderError;
 use crate::mode::Mode;
 use crate::output::film::Film;
+use crate::output::half_films::HalfFilms;
 use crate::output::parts::{FilmPart, Identity, Rect, SampleRecorder};
 use crate::scene::light::luminance;
 use crate::settings::Settings;
