@@ -81,6 +81,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "" "depth-of-field" "jpg" "A lens: what is near and far blurs.";
     "" "many-lights" "jpg" "Sixty-four lamps.";
     "" "ballroom" "jpg" "A room of two hundred lamps.";
+    "" "lamp-hall" "jpg" "A hall of ten thousand lamps.";
     "" "bear" "jpg" "A toy bear on a turntable.";
     "" "bracket" "jpg" "A part for printing, in millimetres.";
     "" "bottle" "jpg" "A product shot with a logo.";

@@ -15,6 +15,7 @@ pub(crate) mod bvh;
 mod coordinates;
 mod distance;
 mod far_field;
+mod lamps;
 mod leaf;
 mod mesh_hit;
 mod node;
@@ -90,6 +91,8 @@ pub struct Field {
     sphere_traced_bounds: Aabb,
     /// Evaluation strategy of each object.
     strategies: Vec<EvalStrategy>,
+    /// Indices of the objects that are evaluated by themselves.
+    singles: Vec<u32>,
     shape_grids: Vec<ShapeGrid>,
     /// Hierarchy over many analytic objects.
     bvh: Bvh,
@@ -116,7 +119,7 @@ pub(crate) enum EvalStrategy {
     ShapeGrid(usize),
     /// Its single shape is in the grid of separate objects.
     InShapeGrid,
-    /// Its single shape is analytic and in the BVH.
+    /// Its shapes are analytic and in the BVH: one, or those of lamps.
     InBvh,
     /// By itself: rays intersect its triangles.
     Triangles,
@@ -159,10 +162,14 @@ impl Field {
             _ => None,
         }
     }
-    /// Reports whether this leaf is a whole object and analytic.
+    /// Reports whether this leaf is analytic, with all of its surface: a whole object, or one of several lamps.
     pub fn is_analytic_object(&self, leaf: usize) -> bool {
-        let object = self.leaves.get(leaf).and_then(|leaf| self.objects.get(leaf.object as usize));
-        object.is_some_and(|object| self.direct(object).is_some())
+        let Some(leaf) = self.leaves.get(leaf) else { return false };
+        leaf.lamp || self.objects.get(leaf.object as usize).is_some_and(|object| self.direct(object).is_some())
+    }
+    /// Leaf that the scene declares: this one, or the one that it is a copy of.
+    pub fn declared_leaf(&self, leaf: usize) -> usize {
+        self.leaves.get(leaf).and_then(|leaf| leaf.copy_of).map_or(leaf, |declared| declared as usize)
     }
     /// Reports whether finding the hit of a ray takes loops: sphere tracing or the traversal of a BVH or grid.
     pub fn has_loops(&self) -> bool {
@@ -188,6 +195,15 @@ impl Field {
             false => leaf.pose.world_bounds(leaf.shape.bounds(&leaf.params)),
             true => self.object_bounds.get(leaf.object as usize).copied().unwrap_or(Aabb::EVERYTHING),
         }
+    }
+    /// World bounds of this leaf and of all copies of it that are leaves of their own.
+    pub fn declared_bounds(&self, leaf: usize) -> Aabb {
+        let bounds = self.leaf_bounds(leaf);
+        if self.leaves.get(leaf).is_none_or(|leaf| leaf.copy_of.is_none()) {
+            return bounds;
+        }
+        let copies = self.leaves.iter().enumerate().filter(|(_, other)| other.copy_of == Some(leaf as u32));
+        copies.map(|(copy, _)| self.leaf_bounds(copy)).fold(bounds, Aabb::union)
     }
     /// Lipschitz constant, an upper bound of |∇distance|: the largest of all leaves; operators and placements keep it.
     pub fn lipschitz(&self) -> f32 {

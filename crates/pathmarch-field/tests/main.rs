@@ -6,6 +6,7 @@ mod fields;
 mod fractals;
 mod glsl;
 mod graph;
+mod lamps;
 mod lipschitz_check;
 mod mesh;
 mod mesh_shape;

@@ -1,12 +1,14 @@
 //! Adaptive sampling: the error that was asked for, more samples where there is more noise, and no bias.
 
 use crate::common::{cpu, data, on_each_backend, parse};
+use pathmarch_render::denoise::{Denoiser, Features};
 use pathmarch_render::image::{self, Picture};
 use pathmarch_render::metrics::relmse;
-use pathmarch_render::parts::Rect;
-use pathmarch_render::pathmarch_scene::Scene;
-use pathmarch_render::{AdaptiveTile, Mode, RenderError, Renderer, Settings};
+use pathmarch_render::parts::{FilmPart, Rect};
+use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
+use pathmarch_render::{AdaptiveTile, Mode, RenderError, Renderer, Settings, Shutter};
 use pathmarch_testing::{plain, tests};
+use std::sync::{Arc, Mutex};
 
 fn render(renderer: &Renderer, scene: &Scene, settings: &Settings, noise: f32) -> (Picture, Vec<AdaptiveTile>) {
     let mut job = renderer.start_adaptive(scene, settings, noise).expect("starts");
@@ -123,6 +125,81 @@ fn a_seed_gives_one_picture() {
     assert_eq!((picture.width, tiles[0].samples), (64, 2), "each half has a sample");
 }
 
+/// The uneven scene with a ball that moves while the shutter is open.
+fn moving() -> Animation {
+    let text = UNEVEN.replace("at 1.6 0 0", "at \"1.6 - t\" 0 0").replace("bounces 3", "bounces 3; shutter 0.5; fps 2");
+    Animation::new("moving.kdl", text)
+}
+
+/// Interrupted after every slice, or after some, a picture goes on to the samples and the plan of the uninterrupted one.
+fn an_interrupted_picture_goes_on_to_the_same(renderer: &Renderer) {
+    let animation = Arc::new(Mutex::new(moving()));
+    for shutter_part in [0.0, 0.5] {
+        let scene = animation.lock().expect("no panic").at(Moment::default()).expect("a scene");
+        let shutter = Shutter::open_for(&scene, shutter_part, 2.0);
+        let settings = Settings { size: [64, 40], samples: 96, ..Settings::of(&scene) };
+        let start = |parts: Option<[FilmPart; 3]>| {
+            let job = renderer.start_adaptive_motion_blur(&animation, &scene, &settings, shutter, 0.008, parts);
+            job.expect("starts")
+        };
+        let mut whole = start(None);
+        whole.run(|| false, |_| {}).expect("renders");
+        let (film, tiles) = whole.film().expect("a film");
+        let least = tiles.iter().map(|tile| tile.samples).min();
+        assert!(tiles.iter().any(|tile| Some(tile.samples) > least), "{tiles:?}");
+        let (mut job, mut runs) = (start(None), 1);
+        while !job.is_done() {
+            for _ in 0..1 + runs % 7 {
+                job.advance().expect("renders");
+            }
+            let parts = job.parts().expect("films");
+            job = start(Some(parts));
+            runs += 1;
+        }
+        assert!(runs > 8, "{runs}");
+        assert_eq!(job.film().expect("a film"), (film, tiles), "{runs} runs, shutter {shutter_part}");
+    }
+}
+
+/// Motion blur: the adaptive picture is that of many samples, and blurred.
+fn moving_scenes_are_blurred() {
+    let animation = Arc::new(Mutex::new(moving()));
+    let scene = animation.lock().expect("no panic").at(Moment::default()).expect("a scene");
+    let (renderer, settings) = (cpu(), Settings { size: [64, 40], samples: 2048, ..Settings::of(&scene) });
+    let picture = |shutter: Shutter| {
+        let job = renderer.start_adaptive_motion_blur(&animation, &scene, &settings, shutter, 0.02, None);
+        let mut job = job.expect("starts");
+        job.run(|| false, |_| {}).expect("renders");
+        job.film().expect("a film").0.mean()
+    };
+    let (blurred, still) = (picture(Shutter::of(&scene)), picture(Shutter::open_for(&scene, 0.0, 2.0)));
+    let mut whole = renderer.start_motion_blur(&animation, &scene, &settings, Shutter::of(&scene)).expect("starts");
+    whole.run(|_| false, |_| {}).expect("renders");
+    let reference = whole.film().expect("a film").mean();
+    let [error, apart] = [&blurred, &still].map(|picture| relmse(picture, &reference).expect("one size").sqrt());
+    println!("error {error:.4}, without blur {apart:.4}");
+    assert!(error < 0.05 && apart > 2.0 * error, "{error} {apart}");
+}
+
+/// Halves of a picture with adaptive sampling are denoised, and better than before.
+fn halves_are_denoised() {
+    let name = data("cornell.kdl");
+    let scene = Scene::load(&name).expect("a valid scene");
+    let reference = image::load(&name.with_extension("exr")).expect("a picture").picture;
+    let settings = Settings { size: [reference.width, reference.height], samples: 512, ..Settings::of(&scene) };
+    let mut job = cpu().start_adaptive(&scene, &settings, 0.08).expect("starts");
+    job.run(|| false, |_| {}).expect("renders");
+    let (halves, tiles) = job.halves().expect("films");
+    let counts = halves.film().sample_counts();
+    assert!(counts.iter().min() < counts.iter().max() && tiles.iter().all(|tile| tile.error.is_finite()));
+    let features = Features::trace(&scene, &settings, 32).expect("features");
+    let before = relmse(&halves.film().mean(), &reference).expect("one size");
+    let after = relmse(&Denoiser::Regression.denoise(halves, &features).expect("a picture"), &reference);
+    let after = after.expect("one size");
+    println!("relMSE {before:.2e} -> {after:.2e}");
+    assert!(after < 0.3 * before, "{before} {after}");
+}
+
 fn what_cannot_be_done_is_refused() {
     let scene = parse(UNEVEN);
     let settings = Settings { size: [32, 20], samples: 64, ..Settings::of(&scene) };
@@ -141,6 +218,9 @@ tests! {
         the_picture_so_far_has_the_samples_that_are_done,
         a_seed_gives_one_picture,
         what_cannot_be_done_is_refused,
+        moving_scenes_are_blurred,
+        halves_are_denoised,
     ],
-    on_each_backend: [every_tile_has_the_error_that_was_asked_for, pixels_get_samples_where_noise_is],
+    on_each_backend: [
+        an_interrupted_picture_goes_on_to_the_same,every_tile_has_the_error_that_was_asked_for, pixels_get_samples_where_noise_is],
 }

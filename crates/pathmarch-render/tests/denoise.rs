@@ -2,7 +2,7 @@
 //! without noise stay as they are.
 
 use crate::common::{cpu, data, on_each_backend, parse};
-use pathmarch_render::denoise::{DenoiseError, Denoiser, Features, HalfBuffers};
+use pathmarch_render::denoise::{DenoiseError, Denoiser, Features, HalfBuffers, HalfFilms};
 use pathmarch_render::film::Film;
 use pathmarch_render::image::{self, Picture};
 use pathmarch_render::metrics::relmse;
@@ -167,7 +167,7 @@ fn halves_add_up_to_the_film(renderer: &Renderer) {
         for (found, expected) in sums.sums.iter().flatten().zip(film.sums.iter().flatten()) {
             assert!((found - expected).abs() <= 4e-6 * expected, "{samples} samples: {found}, {expected}");
         }
-        let means = halves.means();
+        let means = HalfFilms::from(&halves).means();
         assert!(samples == 1 || (0.3..0.7).contains(&means.first_share), "{samples}: {}", means.first_share);
         for (pixel, whole) in means.whole.iter().enumerate() {
             let sum = means.halves[1][pixel].lerp(means.halves[0][pixel], means.first_share);

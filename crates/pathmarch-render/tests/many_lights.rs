@@ -6,6 +6,7 @@ use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::testing::{Device, Picture};
 use pathmarch_render::{Renderer, Settings};
 use pathmarch_testing::{plain, tests};
+use std::f32::consts::FRAC_PI_4;
 use std::fmt::Write;
 
 /// Hall with lamps of every kind near a floor and a ball of each kind of surface, a sun and an environment of few pixels.
@@ -153,6 +154,68 @@ fn lamps_that_nothing_can_see(renderer: &Renderer) {
     assert!(picture.pixels.iter().flatten().all(|&value| value == 0.0));
 }
 
+/// Ceiling of 4,000 lamps: balls on a lattice in rings, panels as one union, and as many points.
+fn ceiling(counts: [u32; 2], points: u32) -> Scene {
+    let [columns, rows] = counts;
+    let mut text = format!(
+        "pathmarch 1\ncamera {{ position 0 2 7; target 0 1 0; fov 60 }}\nrender {{ bounces 1 }}\n\
+         material \"white\" {{ diffuse 0.7 }}\nmaterial \"metal\" {{ metal 0.9; roughness 0.3 }}\n\
+         material \"warm\" {{ emit 30 20 10 }}\nmaterial \"cold\" {{ emit 10 20 30 }}\n\
+         object \"floor\" material=\"white\" {{ plane }}\n\
+         object \"wave\" material=\"metal\" {{ torus 1.2 0.4 {{ at 0 0.5 0 }} }}\n\
+         object \"rings\" material=\"warm\" {{ repeat 0.5 0 0.5 count-x={columns} count-z={rows} {{ polar 8 {{ sphere 0.02 {{ at 0.2 \
+         3 0 }} }} }} }}\nobject \"panels\" material=\"cold\" {{ union {{\n"
+    );
+    for k in 0..rows * columns {
+        let [x, z] = [k % columns, k / columns].map(|k| 0.5 * k as f32);
+        let (x, z) = (x - 0.25 * (columns - 1) as f32, z - 0.25 * (rows - 1) as f32);
+        writeln!(text, "rect 0.1 0.05 {{ rotate 180 0 0; at {x} 3 {z} }}").expect("writing to a string");
+    }
+    text += "} }\n";
+    for k in 0..points {
+        let at = |step: f32| 8.0 * (step * k as f32).fract() - 4.0;
+        writeln!(text, "point {{ at {} {} {}; intensity 0.001 }}", at(0.618), 2.6 + 0.02 * at(0.755), at(0.57))
+            .expect("writing to a string");
+    }
+    parse(&text)
+}
+
+fn backends_agree_on_thousands_of_lamps(renderers: &mut [Renderer; 2]) {
+    let scene = ceiling([20, 22], 2000);
+    assert_eq!(scene.field.leaves().len(), 2 + 20 * 22 * 9);
+    let settings = Settings { size: [48, 32], samples: 8, ..Settings::of(&scene) };
+    let [cpu, gpu] = renderers.each_ref().map(|renderer| render(renderer, &scene, &settings).mean());
+    let (error, block) = (relmse(&gpu, &cpu).expect("equal sizes"), worst_block(&gpu, &cpu, 16));
+    println!("relMSE {error:.1e}, worst block {block:.1e}");
+    assert!(error < 2e-3 && block < 0.02, "{error} {block}");
+}
+
+/// Copies and parts of unions light as objects of their own do, which a march enlarges by no tolerance.
+fn copies_of_lamps_light_as_objects_do(renderer: &Renderer) {
+    let text = "pathmarch 1\ncamera { position 0 2 7; target 0 1 0; fov 60 }\nrender { bounces 1 }\n\
+                material \"white\" { diffuse 0.7 }\nmaterial \"warm\" { emit 30 20 10 }\nmaterial \"cold\" { emit 10 20 30 }\n\
+                object \"floor\" material=\"white\" { plane }\nobject \"wave\" material=\"white\" { torus 1.2 0.4 { at 0 0.5 0 } }\n";
+    let copies = "object \"rings\" material=\"warm\" { repeat 0.5 0 0.5 count-x=3 count-z=2 { polar 8 { sphere 0.02 { at 0.2 3 0 } } } }\n\
+                  object \"panels\" material=\"cold\" { union { rect 0.4 0.5 { rotate 180 0 0; at -1 2 0 }; box 0.2 { at 1 2 0 } } }\n";
+    let mut objects = "object \"rect\" material=\"cold\" { rect 0.4 0.5 { rotate 180 0 0; at -1 2 0 } }\n\
+                       object \"box\" material=\"cold\" { box 0.2 { at 1 2 0 } }\n"
+        .to_owned();
+    for k in 0..48 {
+        let (sine, cosine) = (k as f32 * FRAC_PI_4).sin_cos();
+        let (x, z) = (0.5 * (k / 8 % 3) as f32 - 0.5 + 0.2 * cosine, 0.5 * (k / 24) as f32 - 0.25 + 0.2 * sine);
+        writeln!(objects, "object \"o{k}\" material=\"warm\" {{ sphere 0.02 {{ at {x} 3 {z} }} }}")
+            .expect("writing to a string");
+    }
+    let [copies, objects] = [copies, &objects].map(|lamps| {
+        let scene = parse(&(text.to_owned() + lamps));
+        assert_eq!(scene.field.leaves().len(), 52);
+        render(renderer, &scene, &Settings { size: [48, 32], samples: 128, ..Settings::of(&scene) }).mean()
+    });
+    let (block, mean) = (worst_block(&copies, &objects, 16), mean(&objects, |_, _| true));
+    println!("worst block {block:.1e}, mean {mean:.3}");
+    assert!(block < 0.01 && mean > 0.02, "{block} {mean}");
+}
+
 tests! {
     plain slow: [pictures_do_not_depend_on_the_choice_of_lights],
     on_each_backend: [
@@ -160,7 +223,8 @@ tests! {
         lamps_in_one_point_are_one_lamp,
         lamps_that_light_nothing_change_nothing,
         lamps_that_nothing_can_see,
+        copies_of_lamps_light_as_objects_do,
     ],
-    on_both_backends: [both_backends_choose_the_same_lights],
+    on_both_backends: [both_backends_choose_the_same_lights, backends_agree_on_thousands_of_lamps],
     with_gpu: [the_memory_of_the_tree_does_not_matter],
 }

@@ -159,6 +159,7 @@ impl Scene {
             check_node(&object.root, place, materials.len(), &mut shapes).map_err(in_object)?;
         }
         let roots: Vec<_> = objects.iter().map(|object| object.root.clone()).collect();
+        let field = Field::with_lamps(&roots, |tag| materials[tag as usize].is_even_lamp());
         Ok(Self {
             unit: LengthUnit::default(),
             cameras,
@@ -168,7 +169,7 @@ impl Scene {
             lights,
             materials,
             objects,
-            field: Field::new(&roots),
+            field,
             params: Vec::new(),
             includes: Vec::new(),
             moment: Moment::default(),

@@ -21,16 +21,23 @@ impl Field {
     /// [`new`](Self::new) with another least number of shapes of a shape grid; for tests.
     #[doc(hidden)]
     pub fn with_shape_grids_from(objects: &[Node], least: usize) -> Self {
-        Self::of(objects, least, false)
+        Self::of(objects, least, false, &|_| false)
+    }
+
+    /// [`new`](Self::new) of objects some of which are lamps: opaque, and alike on all of their surface, by their tags. Shapes of
+    /// lamps that rays intersect analytically stay so in unions and in counted copies, each with a leaf and a surface of
+    /// its own.
+    pub fn with_lamps(objects: &[Node], is_lamp: impl Fn(u32) -> bool) -> Self {
+        Self::of(objects, shape_grid::MIN_SHAPES, false, &is_lamp)
     }
 
     /// [`new`](Self::new) without analytic objects and shape grids; for tests.
     #[doc(hidden)]
     pub fn all_sphere_traced(objects: &[Node]) -> Self {
-        Self::of(objects, usize::MAX, true)
+        Self::of(objects, usize::MAX, true, &|_| false)
     }
 
-    fn of(objects: &[Node], least: usize, sphere_traces_all: bool) -> Self {
+    fn of(objects: &[Node], least: usize, sphere_traces_all: bool, is_lamp: &dyn Fn(u32) -> bool) -> Self {
         let mut field = Self {
             sphere_traces_all,
             leaves: Vec::new(),
@@ -39,6 +46,7 @@ impl Field {
             object_bounds: Vec::new(),
             sphere_traced_bounds: Aabb::NOTHING,
             strategies: Vec::new(),
+            singles: Vec::new(),
             shape_grids: Vec::new(),
             bvh: Bvh::default(),
             mesh_instances: Bvh::default(),
@@ -66,8 +74,10 @@ impl Field {
                 field.objects.push(tree);
             }
         }
+        let lamps = field.separate_lamps(is_lamp);
         field.gather_mesh_instances();
         field.gather_shape_grids(least);
+        field.add_to_bvh(lamps);
         field
     }
 
@@ -87,6 +97,8 @@ impl Field {
                         modified,
                         slot,
                         subtracted: false,
+                        copy_of: None,
+                        lamp: false,
                     });
                 }
                 Some(Tree::Leaf(first))

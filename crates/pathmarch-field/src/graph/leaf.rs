@@ -25,6 +25,11 @@ pub struct Leaf {
     pub slot: u32,
     /// True if its analytic object subtracts it: rays hit it from inside.
     pub subtracted: bool,
+    /// Leaf that the scene declares, if this is it or one more of the copies that a modifier makes of lamps. The others come
+    /// behind all declared leaves.
+    pub copy_of: Option<u32>,
+    /// True if its object consists of lamps ([`Field::with_lamps`](super::Field::with_lamps)).
+    pub lamp: bool,
 }
 
 impl Leaf {

@@ -344,6 +344,7 @@ impl Field {
             }
             self.bvh = Bvh::new(analytic.into_iter().map(|(index, leaf)| (leaf, self.object_bounds[index])).collect());
         }
+        self.singles = (0..).zip(&strategies).filter(|(_, strategy)| is_single(**strategy)).map(|(k, _)| k).collect();
         (self.strategies, self.shape_grids) = (strategies, shape_grids);
     }
 
@@ -384,17 +385,13 @@ impl Field {
     }
 
     fn with_strategy(&self, is_meant: impl Fn(EvalStrategy) -> bool) -> impl Iterator<Item = &Tree> {
-        self.objects
-            .iter()
-            .zip(&self.strategies)
-            .filter(move |(_, strategy)| is_meant(**strategy))
-            .map(|(object, _)| object)
+        let singles = self.singles.iter().map(|&index| index as usize);
+        singles.filter(move |&index| is_meant(self.strategies[index])).map(|index| &self.objects[index])
     }
 
     /// Objects outside of shape grids and the BVH, each with its entry of `included`.
     pub(crate) fn single_objects_with(&self, included: &[bool]) -> impl Iterator<Item = (&Tree, bool)> {
-        let all = self.objects.iter().zip(&self.strategies).zip(included);
-        all.filter(|((_, strategy), _)| is_single(**strategy)).map(|((object, _), included)| (object, *included))
+        self.singles.iter().map(|&index| (&self.objects[index as usize], included[index as usize]))
     }
 
     /// Indices of the shape grids with an included object.
@@ -429,8 +426,9 @@ impl Field {
 
     /// Number of shapes that are printed as code, not stored as data.
     pub fn shapes_as_code(&self) -> usize {
-        let in_bvh = self.strategies.iter().filter(|strategy| **strategy == EvalStrategy::InBvh).count();
-        self.leaves.len() - in_bvh - self.shape_grids.iter().map(|shape_grid| shape_grid.leaves.len()).sum::<usize>()
+        self.leaves.len()
+            - self.bvh.leaves().count()
+            - self.shape_grids.iter().map(|shape_grid| shape_grid.leaves.len()).sum::<usize>()
     }
 
     /// Memory of the shape grids that have been built, bytes.

@@ -1,7 +1,7 @@
 //! Surfaces of a field on the CPU: distance, gradient, and the leaf whose material shows.
 
 use super::far_field::FarField;
-use super::{Batch, EvalStrategy, Field, Modified, Tree};
+use super::{Batch, EvalStrategy, Field, Modified, RayKind, Tree};
 use crate::number::{Dual, Real, Vec3};
 
 /// Nearest surface to a point.
@@ -80,12 +80,15 @@ impl Field {
                 leaf: N::select(closer, surface.leaf, nearest.leaf),
             };
         };
-        for (object, strategy) in self.objects.iter().zip(&self.strategies) {
-            let analytic = matches!(strategy, EvalStrategy::Analytic | EvalStrategy::InBvh | EvalStrategy::Triangles);
-            let is_evaluated = analytic || matches!(strategy, EvalStrategy::SphereTraced | EvalStrategy::LitByField);
-            if is_evaluated && N::any(is_included(analytic)) {
-                add(self.tree_surface(object, p, threshold), is_included(analytic));
+        if N::any(is_included(true)) {
+            for (object, strategy) in self.objects.iter().zip(&self.strategies) {
+                if matches!(strategy, EvalStrategy::Analytic | EvalStrategy::InBvh | EvalStrategy::Triangles) {
+                    add(self.tree_surface(object, p, threshold), is_included(true));
+                }
             }
+        }
+        for object in self.objects_sphere_traced_by(RayKind::Secondary) {
+            add(self.tree_surface(object, p, threshold), is_included(false));
         }
         for shape_grid in &self.shape_grids {
             add(shape_grid.surface(self, p, threshold, far_field), is_included(false));

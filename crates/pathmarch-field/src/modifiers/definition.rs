@@ -5,6 +5,15 @@ use crate::info::Info;
 use crate::number::{Real, Values, Vec3};
 use crate::parameter::Param;
 
+/// Rigid motion of a copy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Rotation about the y axis, radians, right-handed.
+    pub turn: f32,
+    /// Translation after the rotation, metres.
+    pub offset: [f32; 3],
+}
+
 /// Definition of a modifier, which changes the domain or the distance of its child, e.g. twist, repeat, shell.
 ///
 /// The child is one solid: the union of the modifier's children. Each file of `modifiers/` implements it for a unit struct
@@ -28,6 +37,10 @@ pub trait ModifierDef: Send + Sync + 'static {
     /// Number of domain copies to evaluate; [`point`](Self::point) takes the index of one.
     fn copies(_params: &[f32], _inside: Aabb) -> u32 {
         1
+    }
+    /// Rigid motions of all copies of its child, if it does nothing but copy it, and there are at most `most`.
+    fn motions(_params: &[f32], _inside: Aabb, _most: usize) -> Option<Vec<Motion>> {
+        None
     }
     /// Point `p` in the child's space, for the domain copy of this index, from 0.
     fn point<N: Real>(p: Vec3<N>, _place: N, _numbers: Self::Coefficients<N>) -> Vec3<N> {

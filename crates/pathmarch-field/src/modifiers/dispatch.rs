@@ -1,5 +1,6 @@
 //! Object-safe form of a modifier: the trait behind which a field evaluates all modifiers.
 
+use super::definition::Motion;
 use crate::bounds::Aabb;
 use crate::expression::identifier;
 use crate::info::Info;
@@ -39,6 +40,8 @@ pub trait Modifier: EvalModifier<f32x8> + EvalModifier<f32> + Send + Sync {
     fn coefficients(&self, params: &[f32], inside: Aabb) -> Vec<f32>;
     /// Number of domain copies to evaluate.
     fn copies(&self, params: &[f32], inside: Aabb) -> u32;
+    /// Rigid motions of all copies of its child, if it does nothing but copy it, and there are at most `most`.
+    fn motions(&self, params: &[f32], inside: Aabb, most: usize) -> Option<Vec<Motion>>;
     /// Bounding box of the result.
     fn bounds(&self, params: &[f32], inside: Aabb) -> Aabb;
     /// WGSL functions `NAME_point`, `NAME_pull` (pulls a gradient back through it), `NAME_distance` and `NAME_gradient`.

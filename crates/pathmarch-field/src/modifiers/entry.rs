@@ -1,6 +1,6 @@
 //! Registration of a modifier: makes the object-safe [`Modifier`] of a generic [`ModifierDef`].
 
-use super::definition::ModifierDef;
+use super::definition::{ModifierDef, Motion};
 use super::dispatch::{EvalModifier, Modifier};
 use crate::bounds::Aabb;
 use crate::expression::{Expr, Function};
@@ -89,6 +89,9 @@ impl<T: ModifierDef> Modifier for Entry<T> {
     }
     fn copies(&self, params: &[f32], inside: Aabb) -> u32 {
         T::copies(params, inside)
+    }
+    fn motions(&self, params: &[f32], inside: Aabb, most: usize) -> Option<Vec<Motion>> {
+        T::motions(params, inside, most)
     }
     fn bounds(&self, params: &[f32], inside: Aabb) -> Aabb {
         T::bounds(params, inside)

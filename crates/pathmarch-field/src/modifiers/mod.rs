@@ -8,7 +8,7 @@ mod definition;
 mod dispatch;
 mod entry;
 
-pub use definition::ModifierDef;
+pub use definition::{ModifierDef, Motion};
 pub use dispatch::{EvalModifier, Modifier};
 use entry::Entry;
 

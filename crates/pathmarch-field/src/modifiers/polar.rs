@@ -4,7 +4,7 @@
 
 use crate::bounds::Aabb;
 use crate::info::Info;
-use crate::modifiers::ModifierDef;
+use crate::modifiers::{ModifierDef, Motion};
 use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use std::f32::consts::{PI, TAU};
@@ -47,6 +47,10 @@ impl ModifierDef for Op {
     }
     fn copies(params: &[f32], inside: Aabb) -> u32 {
         nearby(params, inside) as u32
+    }
+    fn motions(params: &[f32], _inside: Aabb, most: usize) -> Option<Vec<Motion>> {
+        let copies = (0..params[0] as u32).map(|k| Motion { turn: -(k as f32) * (TAU / params[0]), offset: [0.0; 3] });
+        (copies.len() <= most).then(|| copies.collect())
     }
     #[inline(always)]
     fn point<N: Real>(p: Vec3<N>, copy: N, [part, end]: [N; 2]) -> Vec3<N> {

@@ -8,7 +8,7 @@
 
 use crate::bounds::Aabb;
 use crate::info::Info;
-use crate::modifiers::ModifierDef;
+use crate::modifiers::{ModifierDef, Motion};
 use crate::number::{Real, Vec3};
 use crate::parameter::Param;
 use super::bounding_box::ENDLESS;
@@ -75,6 +75,28 @@ impl ModifierDef for Op {
     }
     fn copies(params: &[f32], inside: Aabb) -> u32 {
         (0..3).map(|k| nearby(params, inside, k) as u32).product()
+    }
+    fn motions(params: &[f32], inside: Aabb, most: usize) -> Option<Vec<Motion>> {
+        let mut motions = vec![Motion { turn: 0.0, offset: [0.0; 3] }];
+        for k in 0..3 {
+            let (spacing, count) = axis(params, inside, k);
+            if spacing <= 0.0 {
+                continue;
+            }
+            // Endless copies have no number.
+            if count < 1.0 || motions.len() as f64 * f64::from(count) > most as f64 {
+                return None;
+            }
+            let copies = |motion: Motion| {
+                (0..count as u32).map(move |number| {
+                    let mut copy = motion;
+                    copy.offset[k] += (number as f32 - 0.5 * (count - 1.0)) * spacing;
+                    copy
+                })
+            };
+            motions = motions.into_iter().flat_map(copies).collect();
+        }
+        Some(motions)
     }
     #[inline(always)]
     fn point<N: Real>(p: Vec3<N>, copy: N, coefficients: [N; 15]) -> Vec3<N> {

@@ -8,9 +8,9 @@
 //! **Source.** Rousselle, Knaus, Zwicker 2012, "Adaptive Rendering with Non-Local Means Filtering", section 4.
 
 use crate::output::film::Film;
+use crate::output::half_films::HalfFilms;
 use crate::output::parts::{FilmPart, Rect, SampleRecorder};
 use crate::settings::Settings;
-use glam::Vec3;
 
 /// First sample of each stage, and the length of its blocks. A stage has an even number of blocks.
 const STAGES: [[u32; 2]; 7] = [[0, 1], [8, 2], [16, 8], [128, 16], [256, 32], [512, 64], [1024, 128]];
@@ -22,14 +22,10 @@ pub struct HalfBuffers {
     parts: [FilmPart; 2],
 }
 
-/// Means of the samples of each pixel.
-pub struct Means {
-    /// Means of both halves; of all samples where a half has none.
-    pub halves: [Vec<Vec3>; 2],
-    /// Means of all samples.
-    pub whole: Vec<Vec3>,
-    /// Share of the first half in all samples.
-    pub first_share: f32,
+impl From<&HalfBuffers> for HalfFilms {
+    fn from(buffers: &HalfBuffers) -> Self {
+        Self::new(buffers.rect(), buffers.parts.each_ref().map(FilmPart::film), buffers.film())
+    }
 }
 
 /// Samples that go to one half.
@@ -72,20 +68,6 @@ impl HalfBuffers {
         let mut whole = first;
         whole.absorb(second);
         whole.film()
-    }
-
-    /// Means of both halves and of all samples.
-    pub fn means(&self) -> Means {
-        let [first, second] = self.parts.each_ref().map(FilmPart::film);
-        let all = self.film();
-        let means = |film: &Film| -> Vec<Option<Vec3>> {
-            let pixels = film.sums.iter().zip(film.sample_counts());
-            pixels.map(|(sum, count)| (count > 0).then(|| Vec3::from(*sum) / count as f32)).collect()
-        };
-        let whole: Vec<Vec3> = means(&all).into_iter().map(Option::unwrap_or_default).collect();
-        let or_whole = |film| means(film).into_iter().zip(&whole).map(|(mean, all)| mean.unwrap_or(*all)).collect();
-        let first_share = first.samples as f32 / all.samples.max(1) as f32;
-        Means { halves: [or_whole(&first), or_whole(&second)], whole, first_share }
     }
 
     /// Block of a sample.

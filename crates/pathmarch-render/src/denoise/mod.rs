@@ -29,6 +29,8 @@ mod regression;
 mod residual;
 mod signal;
 
+pub use crate::output::half_films::HalfFilms;
+use crate::output::half_films::Means;
 use crate::output::image::Picture;
 pub use features::Features;
 use glam::Vec3;
@@ -94,7 +96,8 @@ impl Denoiser {
     ///
     /// # Errors
     /// [`DenoiseError`] if features and samples are of different sizes, or if the library is missing or fails.
-    pub fn denoise(self, samples: &HalfBuffers, features: &Features) -> Result<Picture, DenoiseError> {
+    pub fn denoise(self, samples: impl Into<HalfFilms>, features: &Features) -> Result<Picture, DenoiseError> {
+        let samples = &samples.into();
         let rect = samples.rect();
         if features.halves.iter().any(|half| half.len() != rect.pixels()) {
             return Err(DenoiseError::SizeMismatch);
@@ -131,7 +134,7 @@ pub enum DenoiseError {
 }
 
 /// Radiance denoised by regression.
-fn regression(samples: &HalfBuffers, features: &Features) -> Vec<Vec3> {
+fn regression(samples: &HalfFilms, features: &Features) -> Vec<Vec3> {
     let signal = Signal::new(samples, features);
     let limited = outliers::limited(&signal);
     // A single sample tells nothing of its noise, so that no pilot can guide a second stage.
@@ -150,7 +153,7 @@ fn regression(samples: &HalfBuffers, features: &Features) -> Vec<Vec3> {
 
 /// Share of the filtered picture in the result: 0 for a picture with so little noise that the filter may only harm it, 1
 /// for one with noise.
-fn filtered_share(means: &halves::Means) -> f32 {
+fn filtered_share(means: &Means) -> f32 {
     let share = means.first_share;
     if share <= 0.0 || share >= 1.0 {
         return 1.0;
@@ -166,7 +169,7 @@ fn filtered_share(means: &halves::Means) -> f32 {
 }
 
 /// Radiance denoised by Open Image Denoise.
-fn with_oidn(samples: &HalfBuffers, features: &Features) -> Result<Vec<Vec3>, DenoiseError> {
+fn with_oidn(samples: &HalfFilms, features: &Features) -> Result<Vec<Vec3>, DenoiseError> {
     let library = oidn::Library::open()?;
     let film = samples.film();
     let rays = 2.0 * features.rays as f32;

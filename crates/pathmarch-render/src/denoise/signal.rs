@@ -2,7 +2,7 @@
 
 use super::features::{Features, PixelFeatures};
 use super::grid::Grid;
-use super::halves::HalfBuffers;
+use crate::output::half_films::HalfFilms;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -79,7 +79,7 @@ pub(super) struct Signal {
 
 impl Signal {
     /// Signal of a picture with these features.
-    pub(super) fn new(buffers: &HalfBuffers, features: &Features) -> Self {
+    pub(super) fn new(buffers: &HalfFilms, features: &Features) -> Self {
         let (rays, pixel, rect) = (2.0 * features.rays as f32, features.pixel, buffers.rect());
         let halves = features.halves[0].par_iter().zip(&features.halves[1]);
         let surfaces: Vec<Surface> = halves

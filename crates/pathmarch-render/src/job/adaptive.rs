@@ -12,19 +12,24 @@
 //! **Differences.** Samples are Sobol' points, whose error is below that of independent ones, so that most tiles become better than
 //! is asked for. The variance of a tile is taken at the upper end of a confidence interval. A tile gets at least half as many samples as each of its neighbours: variance at its border may have been missed.
 //!
+//! **Parts.** Halves and pilot are recorded as parts of films, by chunks of samples that follow from the plan alone, so that a
+//! picture that goes on from its parts is that of an uninterrupted render, to the last bit.
+//!
 //! **Cost.** The pilot has 32 samples. On a GPU it needs a kernel of its own.
 
-use super::tracer::Tracer;
-use super::{BackendInfo, Renderer};
+use super::motion::{MotionBlur, Shutter};
+use super::{BackendInfo, Job, Renderer, Work};
 use crate::backend::RenderInput;
 use crate::error::RenderError;
 use crate::mode::Mode;
 use crate::output::film::Film;
-use crate::output::parts::Rect;
+use crate::output::half_films::HalfFilms;
+use crate::output::parts::{FilmPart, Identity, Rect, SampleRecorder};
 use crate::scene::light::luminance;
 use crate::settings::Settings;
-use pathmarch_scene::Scene;
+use pathmarch_scene::{Animation, Scene};
 use std::collections::VecDeque;
+use std::sync::{Arc, Mutex};
 
 /// Smallest error that can be asked for.
 pub const MIN_NOISE: f32 = 1e-4;
@@ -59,39 +64,116 @@ pub struct AdaptiveJob {
     /// Largest number of samples, even.
     most: u32,
     rect: Rect,
-    backend: BackendInfo,
-    halves: [Tracer; 2],
-    pilot: Option<Tracer>,
+    /// Both halves, and the pilot.
+    traces: [Trace; 3],
     /// Samples that are planned for each tile.
     tiles: Vec<(Rect, u32)>,
     steps: VecDeque<Step>,
+    is_planned: bool,
+    /// True if the trace of the current step takes samples only in its rectangles.
+    restricted: bool,
     /// Samples done and to do, summed over pixels.
     done: f64,
     planned: f64,
 }
 
+/// Samples of a half or of the pilot.
+struct Trace {
+    job: Job,
+    part: FilmPart,
+    /// Samples of the part when the job was started.
+    before: u32,
+}
+
+impl Trace {
+    /// Samples that are recorded.
+    fn recorded(&self) -> u32 {
+        self.part.samples().count()
+    }
+
+    /// Samples that are done, with a fraction for one that is begun.
+    fn samples_done(&self) -> f64 {
+        f64::from(self.before) + self.job.samples_done()
+    }
+
+    /// Renders a slice of the work towards the end of a chunk of samples, and records them once they are done.
+    fn advance(&mut self, chunk: [u32; 2]) -> Result<(), RenderError> {
+        // Samples that follow on a chunk that was interrupted are added one by one, as they would have been.
+        let recorded = self.recorded();
+        let goal = if recorded == chunk[0] { chunk[1] } else { recorded + 1 };
+        self.job.advance(goal - self.before)?;
+        if self.samples_done() >= f64::from(goal) {
+            self.record(chunk[1])?;
+        }
+        Ok(())
+    }
+
+    /// Records samples that are done, of a chunk with this end.
+    fn record(&mut self, end: u32) -> Result<(), RenderError> {
+        self.job.put_samples(&mut ChunkRecorder { part: &mut self.part, end })
+    }
+
+    /// Finishes samples that are begun, and records them.
+    fn finish(&mut self, end: u32) -> Result<(), RenderError> {
+        while !self.job.is_whole() {
+            self.job.advance(self.job.samples_done() as u32 + 1)?;
+        }
+        self.record(end)
+    }
+}
+
+/// Records the samples of a chunk.
+struct ChunkRecorder<'a> {
+    part: &'a mut FilmPart,
+    end: u32,
+}
+
+impl SampleRecorder for ChunkRecorder<'_> {
+    fn end_of_sum(&self, _first: u32) -> u32 {
+        self.end
+    }
+
+    fn record(&mut self, first: u32, film: Film) {
+        self.part.record_in_block(first, film, self.end);
+    }
+}
+
+/// Index of the pilot among the traces.
+const PILOT_TRACE: usize = 2;
+
 /// Part of the work.
 struct Step {
-    tracer: Which,
-    /// Samples of the tracer at the beginning and at the end.
+    /// Index of the trace.
+    trace: usize,
+    /// Samples of the trace at the beginning and at the end.
     samples: [u32; 2],
     /// Pixels.
     rects: Vec<Rect>,
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Which {
-    Half(usize),
-    Pilot,
-}
-
 impl Step {
+    fn pixels(&self) -> usize {
+        self.rects.iter().map(Rect::pixels).sum()
+    }
+
     /// Samples, summed over pixels.
     fn work(&self) -> f64 {
-        let pixels: usize = self.rects.iter().map(Rect::pixels).sum();
-        pixels as f64 * f64::from(self.samples[1] - self.samples[0])
+        self.pixels() as f64 * f64::from(self.samples[1] - self.samples[0])
+    }
+
+    /// Chunk of samples that this one is in, in a picture of so many pixels.
+    fn chunk(&self, sample: u32, pixels: usize) -> [u32; 2] {
+        /// Samples of a chunk of all pixels; chunks of fewer pixels have more, so that their films cost little.
+        const LENGTH: usize = 16;
+        let length = (LENGTH * pixels / self.pixels().max(1)).clamp(LENGTH, 1 << 20) as u32;
+        let [begin, end] = self.samples;
+        let start = begin + (sample - begin) / length * length;
+        [start, end.min(start + length)]
     }
 }
+
+/// Animation whose moments are the samples of a picture with motion blur.
+type Motion<'a> = (&'a Arc<Mutex<Animation>>, Shutter);
 
 impl Renderer {
     /// Starts a picture of one moment in which every tile of 32 by 32 pixels has an estimated relative error below `noise`. The
@@ -101,6 +183,36 @@ impl Renderer {
     /// Those of [`start`](Self::start), and [`RenderError::Settings`] if the mode is not [`Mode::Path`] or `noise` is not from
     /// [`MIN_NOISE`] to [`MAX_NOISE`].
     pub fn start_adaptive(&self, scene: &Scene, settings: &Settings, noise: f32) -> Result<AdaptiveJob, RenderError> {
+        self.adaptive(None, scene, settings, noise, None)
+    }
+
+    /// Starts a picture as [`start_adaptive`](Self::start_adaptive), with motion blur as
+    /// [`start_motion_blur`](Self::start_motion_blur). It goes on from the [parts](AdaptiveJob::parts) of a job with the same
+    /// arguments on the same backend, if they are given.
+    ///
+    /// # Errors
+    /// Those of both, and [`RenderError::Settings`] if the parts are not those of such a job.
+    pub fn start_adaptive_motion_blur(
+        &self,
+        animation: &Arc<Mutex<Animation>>,
+        scene: &Scene,
+        settings: &Settings,
+        shutter: Shutter,
+        noise: f32,
+        parts: Option<[FilmPart; 3]>,
+    ) -> Result<AdaptiveJob, RenderError> {
+        let motion = shutter.blurs(scene, settings).then_some((animation, shutter));
+        self.adaptive(motion, scene, settings, noise, parts)
+    }
+
+    fn adaptive(
+        &self,
+        motion: Option<Motion>,
+        scene: &Scene,
+        settings: &Settings,
+        noise: f32,
+        parts: Option<[FilmPart; 3]>,
+    ) -> Result<AdaptiveJob, RenderError> {
         if settings.mode != Mode::Path {
             return Err(RenderError::Settings("adaptive sampling is for path-traced pictures only".to_owned()));
         }
@@ -117,29 +229,69 @@ impl Renderer {
             samples: most,
             ..settings.clone()
         };
-        let renderer = self.settled(scene, &whole, &RenderInput::new(scene, &whole));
-        let start = |change: u32, mode, samples| {
-            renderer.trace(scene, &Settings { seed: whole.seed ^ change, mode, samples, ..whole.clone() })
-        };
-        let ((first, backend), (second, _)) = (start(0, Mode::Path, most)?, start(SEEDS[0], Mode::Path, most)?);
-        let needs_pilot = most > LEAST;
-        let pilot = needs_pilot.then(|| start(SEEDS[1], Mode::Variance, PILOT)).transpose()?.map(|(tracer, _)| tracer);
         let rect = whole.rect();
+        let parts = parts.unwrap_or_else(|| std::array::from_fn(|_| FilmPart::new(rect)));
+        let renderer = self.settled(scene, &whole, &RenderInput::new(scene, &whole));
+        let start = |change: u32, mode, samples: u32, part: FilmPart| {
+            let before = part.samples().count();
+            if part.rect() != rect || before > samples {
+                return Err(RenderError::Settings("the parts are those of another picture".to_owned()));
+            }
+            let samples = (samples - before).max(1);
+            let settings = Settings { seed: whole.seed ^ change, mode, samples, first_sample: before, ..whole.clone() };
+            let job = renderer.start_part(motion, scene, &settings)?;
+            Ok(Trace { job, part, before })
+        };
+        let [first, second, pilot] = parts;
+        let traces = [
+            start(0, Mode::Path, most, first)?,
+            start(SEEDS[0], Mode::Path, most, second)?,
+            start(SEEDS[1], Mode::Variance, PILOT, pilot)?,
+        ];
         let least = LEAST.min(most);
-        let mut steps: VecDeque<Step> =
-            (0..2).map(|half| Step { tracer: Which::Half(half), samples: [0, least / 2], rects: vec![rect] }).collect();
-        steps.extend(needs_pilot.then(|| Step { tracer: Which::Pilot, samples: [0, PILOT], rects: vec![rect] }));
+        let step = |trace, end| Step { trace, samples: [0, end], rects: vec![rect] };
+        let mut steps = VecDeque::from([step(0, least / 2), step(1, least / 2)]);
+        let needs_pilot = most > LEAST;
+        steps.extend(needs_pilot.then(|| step(PILOT_TRACE, PILOT)));
         let planned = steps.iter().map(Step::work).sum();
         let tiles = tiles(rect).into_iter().map(|tile| (tile, least)).collect();
-        let halves = [first, second];
-        Ok(AdaptiveJob { noise, most, rect, backend, halves, pilot, tiles, steps, done: 0.0, planned })
+        let is_planned = !needs_pilot;
+        let mut job =
+            AdaptiveJob { noise, most, rect, traces, tiles, steps, is_planned, restricted: false, done: 0.0, planned };
+        job.end_steps();
+        Ok(job)
+    }
+
+    /// Starts a half or a pilot.
+    fn start_part(&self, motion: Option<Motion>, scene: &Scene, settings: &Settings) -> Result<Job, RenderError> {
+        let Some((animation, shutter)) = motion else { return self.start(scene, settings) };
+        settings.check(scene)?;
+        let blur = MotionBlur::new(self.clone(), animation.clone(), settings, shutter);
+        Ok(Job { work: Work::Moving(Box::new(blur)), settings: settings.clone(), backend: self.backend(), taken: 0 })
     }
 }
 
 impl AdaptiveJob {
     /// Backend that renders it.
     pub fn backend(&self) -> &BackendInfo {
-        &self.backend
+        self.traces[0].job.backend()
+    }
+
+    /// Backend and adapter, as films record them.
+    pub fn engine(&self) -> String {
+        self.traces[0].job.engine()
+    }
+
+    /// What its films show: a job goes on from the parts of another with the same identity.
+    pub fn identity(&self, scene: &Scene, shutter: Shutter) -> Identity {
+        let mut identity = self.traces[0].job.identity(scene, shutter);
+        identity.0.insert("noise".to_owned(), format!("{} with up to {} samples", self.noise, self.most));
+        identity
+    }
+
+    /// Largest number of samples of a pixel.
+    pub fn most_samples(&self) -> u32 {
+        self.most
     }
 
     /// Renders until every tile has its samples or `stop` returns true, but not before each pixel has a sample; calls `progress`
@@ -148,7 +300,7 @@ impl AdaptiveJob {
     /// # Errors
     /// [`RenderError::Device`] if the GPU fails.
     pub fn run(&mut self, stop: impl Fn() -> bool, mut progress: impl FnMut(&Self)) -> Result<(), RenderError> {
-        while !(self.is_done() || stop() && self.halves[0].samples_done() >= 1.0) {
+        while !(self.is_done() || stop() && self.traces[0].samples_done() >= 1.0) {
             self.advance()?;
             progress(self);
         }
@@ -161,25 +313,28 @@ impl AdaptiveJob {
     /// [`RenderError::Device`] if the GPU fails.
     pub fn advance(&mut self) -> Result<(), RenderError> {
         let Some(step) = self.steps.front() else { return Ok(()) };
-        let goal = step.samples[1];
-        let Some(tracer) = tracer_of(&mut self.halves, &mut self.pilot, step.tracer) else { return Ok(()) };
-        if tracer.samples_done() == f64::from(step.samples[0]) {
-            tracer.restrict(step.rects.clone());
+        let trace = &mut self.traces[step.trace];
+        if !self.restricted {
+            trace.job.restrict(step.rects.clone());
+            self.restricted = true;
         }
-        tracer.advance(goal)?;
-        if tracer.samples_done() < f64::from(goal) {
-            return Ok(());
-        }
-        self.done += step.work();
-        let ended = step.tracer;
-        self.steps.pop_front();
-        if ended == Which::Pilot
-            && let Some(mut pilot) = self.pilot.take()
-        {
-            let film = pilot.film()?;
-            self.plan(&film);
-        }
+        let chunk = step.chunk(trace.recorded(), self.rect.pixels());
+        trace.advance(chunk)?;
+        self.end_steps();
         Ok(())
+    }
+
+    /// Ends the steps whose samples are recorded.
+    fn end_steps(&mut self) {
+        while let Some(step) = self.steps.front().filter(|step| self.traces[step.trace].recorded() >= step.samples[1]) {
+            self.done += step.work();
+            self.restricted = false;
+            let is_pilot = step.trace == PILOT_TRACE;
+            self.steps.pop_front();
+            if is_pilot {
+                self.plan(&self.traces[PILOT_TRACE].part.film());
+            }
+        }
     }
 
     /// True if every tile has its samples.
@@ -189,21 +344,32 @@ impl AdaptiveJob {
 
     /// True once the number of samples of each tile is known, and with it the time that is left.
     pub fn is_planned(&self) -> bool {
-        self.pilot.is_none()
+        self.is_planned
     }
 
     /// Share of the planned work that is done, 0 to 1. Before [`is_planned`](Self::is_planned), of the pilot and what precedes it.
     pub fn share_done(&self) -> f64 {
         let current = self.steps.front().map_or(0.0, |step| {
-            let tracer = match step.tracer {
-                Which::Half(half) => Some(&self.halves[half]),
-                Which::Pilot => self.pilot.as_ref(),
-            };
             let [start, end] = step.samples.map(f64::from);
-            let done = tracer.map_or(0.0, |tracer| (tracer.samples_done() - start) / (end - start));
+            let done = (self.traces[step.trace].samples_done() - start) / (end - start);
             step.work() * done.clamp(0.0, 1.0)
         });
         (self.done + current) / self.planned.max(1.0)
+    }
+
+    /// All samples so far, of both halves and of the pilot, from which
+    /// [`start_adaptive_motion_blur`](Renderer::start_adaptive_motion_blur) goes on.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] if the GPU fails.
+    pub fn parts(&mut self) -> Result<[FilmPart; 3], RenderError> {
+        if let Some(step) = self.steps.front() {
+            let trace = &mut self.traces[step.trace];
+            let [_, end] = step.chunk(trace.recorded(), self.rect.pixels());
+            trace.finish(end)?;
+            self.end_steps();
+        }
+        Ok(self.traces.each_ref().map(|trace| trace.part.clone()))
     }
 
     /// Film so far, and its tiles. Pixels have different numbers of samples ([`Film::sample_counts`]).
@@ -211,7 +377,18 @@ impl AdaptiveJob {
     /// # Errors
     /// [`RenderError::Device`] if the GPU fails.
     pub fn film(&mut self) -> Result<(Film, Vec<AdaptiveTile>), RenderError> {
-        let mut films = [self.halves[0].film()?, self.halves[1].film()?];
+        let (halves, tiles) = self.halves()?;
+        Ok((halves.film().clone(), tiles))
+    }
+
+    /// Films of both halves so far, for a [denoiser](crate::denoise::Denoiser), and tiles. The errors of the tiles are those
+    /// of the film that is not denoised.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] if the GPU fails.
+    pub fn halves(&mut self) -> Result<(HalfFilms, Vec<AdaptiveTile>), RenderError> {
+        let [first, second, _] = self.parts()?;
+        let mut films = [first.film(), second.film()];
         for film in &mut films {
             for (tile, samples) in &self.tiles {
                 let skipped = film.samples.saturating_sub(samples / 2);
@@ -219,9 +396,9 @@ impl AdaptiveJob {
             }
         }
         let tiles = reached(self.rect, &self.tiles, &films);
-        let [mut film, second] = films;
-        film.add(&second).map_err(|error| RenderError::Settings(error.to_string()))?;
-        Ok((film, tiles))
+        let mut whole = films[0].clone();
+        whole.add(&films[1]).map_err(|error| RenderError::Settings(error.to_string()))?;
+        Ok((HalfFilms::new(self.rect, films, whole), tiles))
     }
 
     /// Plans the samples of each tile by the film of the pilot.
@@ -244,18 +421,12 @@ impl AdaptiveJob {
             let rects = merged(self.tiles.iter().filter_map(active));
             for half in 0..2 {
                 let samples = [before / 2, level / 2];
-                self.steps.push_back(Step { tracer: Which::Half(half), samples, rects: rects.clone() });
+                self.steps.push_back(Step { trace: half, samples, rects: rects.clone() });
             }
             before = level;
         }
         self.planned = self.done + self.steps.iter().map(Step::work).sum::<f64>();
-    }
-}
-
-fn tracer_of<'a>(halves: &'a mut [Tracer; 2], pilot: &'a mut Option<Tracer>, which: Which) -> Option<&'a mut Tracer> {
-    match which {
-        Which::Half(half) => halves.get_mut(half),
-        Which::Pilot => pilot.as_mut(),
+        self.is_planned = true;
     }
 }
 

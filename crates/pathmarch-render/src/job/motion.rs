@@ -18,6 +18,7 @@ use super::{BackendInfo, Renderer};
 use crate::error::RenderError;
 use crate::mode::Mode;
 use crate::output::film::Film;
+use crate::output::parts::Rect;
 use crate::sampling::sobol::{hash, scramble_reversed};
 use crate::settings::Settings;
 use pathmarch_scene::{Animation, Moment, Scene};
@@ -72,6 +73,8 @@ pub(super) struct MotionBlur {
     /// Tracer of the current run, and its number of samples that are not in the film.
     run: Option<(Tracer, u32)>,
     backend: Option<BackendInfo>,
+    /// Rectangles that further samples are taken in; all if there are none.
+    active: Vec<Rect>,
 }
 
 impl MotionBlur {
@@ -85,7 +88,8 @@ impl MotionBlur {
         let rect = settings.rect();
         let film = Film::new(rect.width, rect.height);
         let first_sample = settings.first_sample;
-        Self { renderer, animation, settings: settings.clone(), shutter, film, first_sample, run: None, backend: None }
+        let (settings, active) = (settings.clone(), Vec::new());
+        Self { renderer, animation, settings, shutter, film, first_sample, run: None, backend: None, active }
     }
 
     /// Backend of the latest run.
@@ -130,6 +134,14 @@ impl MotionBlur {
         Ok(film)
     }
 
+    /// Takes further samples only in these rectangles. The film must be whole.
+    pub(super) fn restrict(&mut self, rects: Vec<Rect>) {
+        if let Some((tracer, _)) = &mut self.run {
+            tracer.restrict(rects.clone());
+        }
+        self.active = rects;
+    }
+
     /// Starts the run of the next sample, at its moment.
     fn start_run(&mut self) -> Result<(Tracer, u32), RenderError> {
         let first = self.first_sample + self.film.samples;
@@ -139,7 +151,10 @@ impl MotionBlur {
         let scene = self.animation.lock().unwrap_or_else(PoisonError::into_inner).at(moment)?;
         // Runs are too short to decide on path reuse, and a range of samples may cut one.
         let settings = Settings { first_sample: first, samples, path_reuse: Some(false), ..self.settings.clone() };
-        let (tracer, backend) = self.renderer.trace(&scene, &settings)?;
+        let (mut tracer, backend) = self.renderer.trace(&scene, &settings)?;
+        if !self.active.is_empty() {
+            tracer.restrict(self.active.clone());
+        }
         self.backend = Some(backend);
         Ok((tracer, samples))
     }

@@ -4,7 +4,7 @@ use super::tracer::TakenFilm;
 use super::{Job, Work};
 use crate::error::RenderError;
 use crate::output::film::Film;
-use crate::output::parts::SampleRecorder;
+use crate::output::parts::{Rect, SampleRecorder};
 
 /// Sums that were taken from a tracer, and the index of their first sample.
 struct Taken {
@@ -57,10 +57,24 @@ impl Job {
         matches!(&self.work, Work::Still(tracer) if tracer.reuses_paths())
     }
 
-    fn is_whole(&self) -> bool {
+    pub(super) fn is_whole(&self) -> bool {
         match &self.work {
             Work::Still(tracer) => tracer.is_whole(),
             Work::Moving(motion) => motion.is_whole(),
+        }
+    }
+
+    /// Records the samples since the last call, which must be whole.
+    pub(super) fn put_samples(&mut self, recorder: &mut impl SampleRecorder) -> Result<(), RenderError> {
+        let taken = self.take()?;
+        self.put(recorder, Some(taken))
+    }
+
+    /// Takes further samples only in these rectangles, as [`Tracer::restrict`](super::tracer::Tracer::restrict) does.
+    pub(super) fn restrict(&mut self, rects: Vec<Rect>) {
+        match &mut self.work {
+            Work::Still(tracer) => tracer.restrict(rects),
+            Work::Moving(motion) => motion.restrict(rects),
         }
     }
 

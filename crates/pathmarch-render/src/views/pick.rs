@@ -17,7 +17,8 @@ use pathmarch_scene::Scene;
 pub struct Picked {
     /// Index into [`Scene::objects`].
     pub object: usize,
-    /// Index into the leaves of [`Scene::field`]; where leaves blend, the one with the largest weight.
+    /// Index into the leaves of [`Scene::field`]; where leaves blend, the one with the largest weight; of copies, the one
+    /// that the scene declares.
     pub leaf: usize,
     /// Position in world space, metres.
     pub position: [f32; 3],
@@ -45,7 +46,7 @@ pub fn pick(scene: &Scene, settings: &Settings, pixel: [f32; 2]) -> Option<Picke
     let from_camera = interaction.p - Vec3::from(ctx.frame.position);
     Some(Picked {
         object: ctx.scene.field.leaves()[interaction.leaf].object as usize,
-        leaf: interaction.leaf,
+        leaf: ctx.scene.field.declared_leaf(interaction.leaf),
         position: interaction.p.into(),
         normal: interaction.normal.into(),
         distance: from_camera.length(),

@@ -197,7 +197,7 @@ fn complete_scene(
     scene.sky = sky;
     scene.lights.extend(sun);
     let roots: Vec<_> = scene.objects.iter().map(|object| object.root.clone()).collect();
-    scene.field = Field::new(&roots);
+    scene.field = Field::with_lamps(&roots, |tag| scene.materials[tag as usize].is_even_lamp());
     extent::check(&scene, &all, &mut context.report);
     warnings::warn(&scene, &all, &mut context.report);
     Some(scene)

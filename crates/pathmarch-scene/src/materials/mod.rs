@@ -573,6 +573,10 @@ impl Material {
     pub fn is_lamp(&self) -> bool {
         self.kind.bsdf.is_none() && self.emits()
     }
+    /// True if it is opaque and emits the same everywhere.
+    pub fn is_even_lamp(&self) -> bool {
+        self.emits() && !self.transmits() && self.emission_texture.is_none()
+    }
     /// True if it emits.
     pub fn emits(&self) -> bool {
         self.emission().iter().any(|&v| v > 0.0)

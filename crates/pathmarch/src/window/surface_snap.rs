@@ -32,7 +32,7 @@ pub(crate) fn extent_below(
     normal: DVec3,
 ) -> Option<f64> {
     let leaves = document.leaves_of(node);
-    let bounds = leaves.iter().map(|leaf| field.leaf_bounds(*leaf)).reduce(Aabb::union)?;
+    let bounds = leaves.iter().map(|leaf| field.declared_bounds(*leaf)).reduce(Aabb::union)?;
     if !bounds.is_finite() || bounds.is_empty() {
         return None;
     }
@@ -43,8 +43,9 @@ pub(crate) fn extent_below(
     };
     let of_bounds = (0..8).map(|k| (origin - corner(k)).dot(normal)).fold(f64::NEG_INFINITY, f64::max);
     let object = field.leaves().get(*leaves.first()?)?.object as usize;
-    let is_whole =
-        field.leaves().iter().enumerate().all(|(k, leaf)| leaf.object as usize != object || leaves.contains(&k));
+    let is_whole = (0..)
+        .zip(field.leaves())
+        .all(|(k, leaf)| leaf.object as usize != object || leaves.contains(&field.declared_leaf(k)));
     if !is_whole {
         return Some(of_bounds);
     }

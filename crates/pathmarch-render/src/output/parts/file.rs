@@ -147,10 +147,7 @@ impl FilmHeader {
             columns > 0 && rows > 0 && x < width && columns <= width - x && y < height && rows <= height - y
         };
         let layers = |region: &Region| {
-            region
-                .layers
-                .iter()
-                .all(|[first, count]| (1..=super::BLOCK).contains(count) && first.checked_add(*count).is_some())
+            region.layers.iter().all(|[first, count]| *count > 0 && first.checked_add(*count).is_some())
         };
         side.contains(&width)
             && side.contains(&height)

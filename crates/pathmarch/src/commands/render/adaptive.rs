@@ -1,43 +1,121 @@
 //! One picture with `--noise`: as many samples for each tile as its error asks for.
 
+use super::checkpoint::{self, Checkpoint};
 use super::still::{Outcome, Reached, Task, check_memory};
 use super::{print_settings, render_failure};
-use pathmarch_cli::Failure;
-use pathmarch_render::AdaptiveTile;
+use crate::picture::Denoised;
+use pathmarch_cli::{Failure, note};
+use pathmarch_render::denoise::{Features, HalfFilms};
 use pathmarch_render::film::Film;
+use pathmarch_render::parts::{FilmHeader, FilmPart};
+use pathmarch_render::{AdaptiveJob, AdaptiveTile};
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 impl Task<'_> {
     /// Renders a picture whose tiles have a relative error below `noise`.
     pub(super) fn run_adaptive(&self, noise: f32) -> Result<Outcome, Failure> {
         let (arguments, settings) = (self.arguments, &self.settings);
-        if self.shutter.blurs(self.scene, settings) {
-            return Err(Failure::Usage(
-                "--noise: a moving scene with a shutter has no adaptive sampling yet; use --samples, or --shutter 0"
-                    .to_owned(),
-            ));
-        }
-        check_memory(settings, 3)?;
-        let mut job = self.renderer.start_adaptive(self.scene, settings, noise).map_err(render_failure)?;
+        check_memory(settings, 6)?;
+        let (mut job, header, mut checkpoint) = self.begin_adaptive(noise)?;
         if self.says_settings {
             print_settings(arguments, job.backend(), settings, self.progress);
         }
         let picture = self.picture(0);
         let late = || arguments.seconds.is_some_and(|seconds| picture.started.elapsed().as_secs_f64() >= seconds);
-        let stop = || self.interrupted.load(Ordering::SeqCst) || late();
-        job.run(stop, |job| self.progress.show_share(&picture, job.share_done(), job.is_planned()))
+        let ends = || self.interrupted.load(Ordering::SeqCst) || late();
+        loop {
+            let pauses = || checkpoint.as_ref().is_some_and(Checkpoint::is_due);
+            job.run(
+                || ends() || pauses(),
+                |job| self.progress.show_share(&picture, job.share_done(), job.is_planned()),
+            )
             .map_err(render_failure)?;
+            if job.is_done() || ends() {
+                break;
+            }
+            let parts = job.parts().map_err(render_failure)?;
+            // A full disk must not end a long render.
+            if let Some(Err(failure)) = checkpoint.as_mut().map(|checkpoint| checkpoint.save(&header, &parts)) {
+                self.progress.suspend(|| note!("warning: no checkpoint: {}", failure.message()));
+            }
+        }
         self.progress.completed(&picture);
-        let (film, tiles) = job.film().map_err(render_failure)?;
+        let (halves, tiles) = job.halves().map_err(render_failure)?;
         let seconds = picture.started.elapsed().as_secs_f64();
         let interrupted = !job.is_done() && self.interrupted.load(Ordering::SeqCst);
         let written = !interrupted || self.place.2.is_none();
+        let film = halves.film().clone();
+        let mut denoising = None;
         if written {
-            super::write(arguments, job.backend(), self.scene, settings, &film, None, self.output)?;
+            let started = Instant::now();
+            let denoised = self.denoised(halves)?;
+            denoising = denoised.as_ref().map(|_| started.elapsed().as_secs_f64());
+            super::write(arguments, job.backend(), self.scene, settings, &film, denoised, self.output)?;
+        }
+        let mut kept = None;
+        if let Some(checkpoint) = &mut checkpoint {
+            if job.is_done() {
+                checkpoint.remove();
+            } else {
+                checkpoint.save(&header, &job.parts().map_err(render_failure)?)?;
+                kept = Some(checkpoint.path().display().to_string());
+            }
         }
         let adaptive = Some(reached(&film, &tiles, noise));
         let (of, rendered) = (settings.samples, film.samples);
-        Ok(Outcome { film, of, rendered, seconds, adaptive, denoising: None, written, interrupted, checkpoint: None })
+        Ok(Outcome { film, of, rendered, seconds, adaptive, denoising, written, interrupted, checkpoint: kept })
+    }
+
+    /// The job, from its checkpoint on if it is to be resumed, the header of checkpoints, and the checkpoint.
+    fn begin_adaptive(&self, noise: f32) -> Result<(AdaptiveJob, FilmHeader, Option<Checkpoint>), Failure> {
+        let start = |parts| {
+            let (animation, scene, settings) = (self.animation, self.scene, &self.settings);
+            let job = self.renderer.start_adaptive_motion_blur(animation, scene, settings, self.shutter, noise, parts);
+            job.map_err(render_failure)
+        };
+        let job = start(None)?;
+        let header = FilmHeader {
+            size: self.settings.size,
+            samples: [0, job.most_samples()],
+            identity: job.identity(self.scene, self.shutter),
+            engines: vec![job.engine()],
+            notes: Default::default(),
+            regions: Vec::new(),
+        };
+        let checkpoint = self.output.file().map(Checkpoint::of);
+        let film = match &checkpoint {
+            Some(checkpoint) if self.arguments.resume => checkpoint.open()?,
+            Some(checkpoint) if checkpoint.exists() && self.place.2.is_none() => {
+                checkpoint.say_unfinished();
+                None
+            }
+            _ => None,
+        };
+        let Some(film) = film else {
+            if self.arguments.resume && self.place.2.is_none() {
+                note!("note: there is no checkpoint; rendering from the first sample");
+            }
+            return Ok((job, header, checkpoint));
+        };
+        let path = film.path().to_owned();
+        let samples = header.samples;
+        let parts = checkpoint::parts(film, &header.identity, &header.engines[0], self.settings.rect(), samples)?;
+        let parts: [FilmPart; 3] = parts
+            .try_into()
+            .map_err(|_| Failure::Other(format!("{}: the number of its regions is wrong", path.display())))?;
+        Ok((start(Some(parts))?, header, checkpoint))
+    }
+
+    /// Denoised picture; `None` without `--denoise`.
+    fn denoised(&self, halves: HalfFilms) -> Result<Option<Denoised>, Failure> {
+        let Some(denoiser) = self.arguments.denoise else { return Ok(None) };
+        let counts = halves.film().sample_counts();
+        let mean = counts.iter().map(|count| u64::from(*count)).sum::<u64>() / counts.len().max(1) as u64;
+        let (animation, scene, settings) = (self.animation, self.scene, &self.settings);
+        let features = Features::trace_motion_blur(animation, scene, settings, self.shutter, mean.max(1) as u32);
+        let picture = denoiser.denoise(halves, &features.map_err(render_failure)?).map_err(Failure::other)?;
+        Ok(Some(Denoised { denoiser, picture }))
     }
 }
 

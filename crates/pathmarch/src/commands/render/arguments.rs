@@ -66,7 +66,7 @@ pub struct Arguments {
     ///
     /// The error is the root of the relMSE that compare prints. A pilot of 32 samples, which are no part of the picture, decides
     /// the number of samples, so that the picture is not biased. --samples is the largest number [default: 16384]. The layer
-    /// sampleCount of --aov shows how many there are.
+    /// sampleCount of --aov shows how many there are. With --denoise, the error is that of the picture before it is filtered.
     #[arg(long, value_name = "ERROR", value_parser = parse_noise, allow_hyphen_values = true, verbatim_doc_comment)]
     pub(super) noise: Option<f32>,
     /// Index of the first sample; sample ranges rendered separately add up to the whole
@@ -342,8 +342,6 @@ impl Arguments {
             let film = self.output.as_ref().is_some_and(|output| is_film(output));
             let excluded = [
                 (self.mode.is_some_and(|mode| mode != Mode::Path), "--mode"),
-                (self.denoise.is_some(), "--denoise"),
-                (self.resume, "--resume"),
                 (self.first_sample > 0, "--first-sample"),
                 (self.render.sample_range().is_some(), "a range of --samples"),
                 (self.splitting.is_some(), "--splitting"),

@@ -39,6 +39,11 @@ impl Checkpoint {
         self.file.exists() || self.previous.exists()
     }
 
+    /// Prints that one is there and is not used.
+    pub(super) fn say_unfinished(&self) {
+        note!("note: {} is of a render that was not finished; --resume would go on from there", self.file.display());
+    }
+
     /// True if it is time for the next.
     pub(super) fn is_due(&self) -> bool {
         self.written.elapsed() >= interval().max(self.cost * COSTS)

@@ -163,8 +163,7 @@ impl Task<'_> {
         let film = match &checkpoint {
             Some(checkpoint) if self.arguments.resume => checkpoint.open()?,
             Some(checkpoint) if checkpoint.exists() && self.place.2.is_none() => {
-                let file = checkpoint.path().display();
-                note!("note: {file} is of a render that was not finished; --resume would go on from there");
+                checkpoint.say_unfinished();
                 None
             }
             _ => None,

@@ -143,7 +143,7 @@ impl App {
             [] => (0..scene.field.leaves().len()).collect(),
             paths => paths.iter().flat_map(|path| open.document.leaves_of(path)).collect(),
         };
-        let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf));
+        let boxes = leaves.into_iter().map(|leaf| scene.field.declared_bounds(leaf));
         let bounds = boxes.filter(|bounds| bounds.is_finite()).reduce(|all, bounds| all.union(bounds));
         let Some(bounds) = bounds else {
             self.show_message("The selection has no finite size, so it cannot be framed.");

@@ -201,7 +201,7 @@ impl App {
         let scene = document.scene().ok()?;
         let target = gizmo::target_node(document, path)?;
         let leaves = document.leaves_of(&target).into_iter();
-        let bounds = leaves.map(|leaf| scene.field.leaf_bounds(leaf)).reduce(|all, bounds| all.union(bounds))?;
+        let bounds = leaves.map(|leaf| scene.field.declared_bounds(leaf)).reduce(|all, bounds| all.union(bounds))?;
         Some((target, bounds))
     }
 

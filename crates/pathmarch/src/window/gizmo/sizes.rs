@@ -97,7 +97,7 @@ impl Sizes {
 /// World transform of a shape, with its `normal`.
 fn world_transform(document: &Document, scene: &Scene, path: &Path) -> Transform {
     let leaf = document.leaves_of(path).first().and_then(|leaf| scene.field.leaves().get(*leaf));
-    match leaf.filter(|leaf| !leaf.modified) {
+    match leaf.filter(|leaf| !leaf.modified && leaf.copy_of.is_none()) {
         Some(leaf) => {
             let axes = leaf.pose.axes.map(|axis| DVec3::from_array(axis.map(f64::from)));
             Transform {

@@ -332,7 +332,7 @@ fn outline(ui: &Ui, picture: Rect, open: &OpenScene, scene: &Scene) {
 /// Draws the bounding box of a node.
 fn outline_of(ui: &Ui, picture: Rect, open: &OpenScene, scene: &Scene, node: &NodePath) {
     let leaves = open.document.leaves_of(node);
-    let boxes = leaves.into_iter().map(|leaf| scene.field.leaf_bounds(leaf)).filter(|bounds| bounds.is_finite());
+    let boxes = leaves.into_iter().map(|leaf| scene.field.declared_bounds(leaf)).filter(|bounds| bounds.is_finite());
     let Some(bounds) = boxes.reduce(|all, bounds| all.union(bounds)) else { return };
     let projection = Projection::new(&open.view.camera, picture);
     let painter = ui.painter_at(picture);
@@ -360,7 +360,7 @@ fn owner_of_material(open: &OpenScene, shape: NodePath) -> NodePath {
 
 /// Rectangle around the bounds of a node in the window; `None` if they are infinite or reach behind the camera.
 fn bounds_in_window(open: &OpenScene, scene: &Scene, picture: Rect, node: &NodePath) -> Option<Rect> {
-    let leaves = open.document.leaves_of(node).into_iter().map(|leaf| scene.field.leaf_bounds(leaf));
+    let leaves = open.document.leaves_of(node).into_iter().map(|leaf| scene.field.declared_bounds(leaf));
     let bounds = leaves.reduce(|all, bounds| all.union(bounds)).filter(|bounds| bounds.is_finite())?;
     let projection = Projection::new(&open.view.camera, picture);
     let corner = |k: usize| {
@@ -375,7 +375,7 @@ fn bounds_in_window(open: &OpenScene, scene: &Scene, picture: Rect, node: &NodeP
 fn shapes_in(open: &OpenScene, scene: &Scene, picture: Rect, rect: Rect) -> Vec<NodePath> {
     let projection = Projection::new(&open.view.camera, picture);
     let is_inside = |leaf: &usize| {
-        let bounds = scene.field.leaf_bounds(*leaf);
+        let bounds = scene.field.declared_bounds(*leaf);
         let centre = DVec3::from_array(std::array::from_fn(|k| 0.5 * f64::from(bounds.min[k] + bounds.max[k])));
         bounds.is_finite() && projection.project(centre).is_some_and(|at| rect.contains(at))
     };
