@@ -124,6 +124,7 @@ impl Field {
             part.sphere_traced_bounds = part.sphere_traced_bounds.union(bounds);
             part.object_bounds.push(bounds);
             part.strategies.push(EvalStrategy::SphereTraced);
+            part.singles.push(index as u32);
             part.objects.push(tree);
         }
         part
