@@ -1,7 +1,9 @@
 //! Choice whether pixels share the light that their paths find.
 //!
 //! [`pays`] renders a few tiles of the picture with and without [`path_reuse`](super::path_reuse), and compares the products of
-//! variance and cost.
+//! variance and cost. The variance of a pixel is taken relative to its own mean, as in relMSE, and relative to the radiance around
+//! it. Either may decide: in a room that is lit through a keyhole, most pixels of the probe find no light, and their own means
+//! would tell that they have no noise.
 //!
 //! **Cost.** 25,000 paths on the CPU, for pictures of at least a hundred times as many.
 
@@ -11,7 +13,7 @@ use crate::metrics::RELMSE_EPSILON;
 use crate::ray_stats::RayCounters;
 use crate::scene::material::LAMBERTIAN;
 use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Columns and rows of tiles that a probe renders.
@@ -22,8 +24,10 @@ const PROBE_SAMPLES: u32 = 6;
 const MIN_PATHS_PER_PROBE_PATH: f64 = 100.0;
 /// Smallest relative reduction of the error that justifies sharing, because the noise of neighbours is related.
 const MIN_GAIN: f64 = 0.2;
-/// Largest relative variance of a pixel of the probe, so that none dominates.
+/// Largest variance of a pixel of the probe, relative to its own mean, so that none dominates.
 const MAX_VARIANCE: f64 = 10.0;
+/// Largest variance of a pixel of the probe, relative to the radiance around it.
+const MAX_RARE_VARIANCE: f64 = 3000.0;
 
 /// Cost of a connection in a kernel on a software adapter, relative to a ray: its lanes exchange what they share through
 /// memory, one by one. On llvmpipe 2 to 3.7.
@@ -51,20 +55,38 @@ pub(crate) fn pays(
         return false;
     }
     let frame = probe::frame_of(frame);
-    let [[variance, cost], [shared_variance, shared_cost]] = [false, true].map(|path_reuse| {
-        let config = KernelConfig { path_reuse, splitting: 1, ..*config };
-        let counters = RayCounters::default();
-        let ctx = TraceContext { scene, frame: &frame, config: &config, stats: Some(&counters), photons: None };
-        let tiles = (0..PROBE_GRID[0] * PROBE_GRID[1]).into_par_iter();
-        let variance: f64 = tiles.map(|tile| variance_of_tile(&ctx, tile)).collect::<Vec<_>>().iter().sum();
-        [variance, probe::cost(&counters)]
-    });
+    let counters = [RayCounters::default(), RayCounters::default()];
+    let [apart, shared] = [false, true].map(|path_reuse| KernelConfig { path_reuse, splitting: 1, ..*config });
+    let noise_of = |config, stats, tile| {
+        noise_of_tile(&TraceContext { scene, frame: &frame, config, stats: Some(stats), photons: None }, tile)
+    };
+    let tiles = (0..PROBE_GRID[0] * PROBE_GRID[1]).into_par_iter();
+    let variances: Vec<[[f64; 2]; 2]> = tiles
+        .map(|tile| {
+            let noise = [noise_of(&apart, &counters[0], tile), noise_of(&shared, &counters[1], tile)];
+            let around = radiance_around(&noise[1]);
+            noise.map(|noise| [own_variance(&noise), relative_variance(&noise, &around, MAX_RARE_VARIANCE)])
+        })
+        .collect();
+    let [cost, shared_cost] = counters.each_ref().map(probe::cost);
     let shared_cost = cost + connection_cost * (shared_cost - cost);
-    shared_variance * shared_cost < (1.0 - MIN_GAIN) * variance * cost
+    let pays_by = |measure: usize| {
+        let [variance, shared_variance] =
+            [0, 1].map(|k| variances.iter().map(|tile: &[[f64; 2]; 2]| tile[k][measure]).sum::<f64>());
+        shared_variance * shared_cost < (1.0 - MIN_GAIN) * variance * cost
+    };
+    pays_by(0) || pays_by(1)
 }
 
-/// Variance of the pixels of a tile of the probe, relative to their means as in relMSE and summed.
-fn variance_of_tile(ctx: &TraceContext, tile: u32) -> f64 {
+/// Mean and variance of the samples of a pixel, by channel.
+#[derive(Clone, Copy)]
+struct Noise {
+    mean: DVec3,
+    variance: DVec3,
+}
+
+/// Noise of the pixels of a tile of the probe.
+fn noise_of_tile(ctx: &TraceContext, tile: u32) -> Vec<Noise> {
     let [width, height] = ctx.frame.size();
     let corner = |cell: u32, cells: u32, length: u32| {
         let tiles = length / GROUP;
@@ -75,16 +97,44 @@ fn variance_of_tile(ctx: &TraceContext, tile: u32) -> f64 {
     let pixels: Vec<(u32, u32)> = (top..top + GROUP).flat_map(|y| (left..left + GROUP).map(move |x| (x, y))).collect();
     let values: Vec<Vec<Vec3>> = (0..PROBE_SAMPLES).map(|sample| path::trace(ctx, &pixels, sample, 1)).collect();
     let count = f64::from(PROBE_SAMPLES);
-    let mut total = 0.0;
-    for pixel in 0..pixels.len() {
-        for channel in 0..3 {
-            let components = || values.iter().map(|sample| f64::from(sample[pixel][channel]));
-            let mean = components().sum::<f64>() / count;
-            let variance = components().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-            let relative = variance / (mean * mean + RELMSE_EPSILON);
-            // Ignore values that are not finite.
-            total += if relative.is_finite() { relative.min(MAX_VARIANCE) } else { 0.0 };
-        }
-    }
-    total
+    let noise_of_pixel = |pixel: usize| {
+        let samples = || values.iter().map(|sample| sample[pixel].as_dvec3());
+        let mean = samples().sum::<DVec3>() / count;
+        let variance = samples().map(|value| (value - mean) * (value - mean)).sum::<DVec3>() / (count - 1.0);
+        Noise { mean, variance }
+    };
+    (0..pixels.len()).map(noise_of_pixel).collect()
+}
+
+/// Radiance around each pixel of a tile: that of its neighbours or of the tile, whichever is brighter. Its own samples do not
+/// count, so that a pixel that is bright by chance is no less noisy for it.
+fn radiance_around(tile: &[Noise]) -> Vec<DVec3> {
+    let side = GROUP as usize;
+    let of_tile = tile.iter().map(|noise| noise.mean).sum::<DVec3>() / tile.len() as f64;
+    let near = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
+    let of_neighbours = |pixel: usize| {
+        let (x, y) = (pixel % side, pixel / side);
+        let neighbours = near(y).flat_map(|y| near(x).map(move |x| y * side + x)).filter(|&other| other != pixel);
+        let (sum, count) =
+            neighbours.fold((DVec3::ZERO, 0.0), |(sum, count), other| (sum + tile[other].mean, count + 1.0));
+        sum / count
+    };
+    (0..tile.len()).map(|pixel| of_neighbours(pixel).max(of_tile)).collect()
+}
+
+/// Variance of the pixels of a tile relative to the squares of these radiances, as in relMSE, summed; at most `most` for a pixel
+/// and channel.
+fn relative_variance(tile: &[Noise], radiance: &[DVec3], most: f64) -> f64 {
+    let of_pixel = |(noise, radiance): (&Noise, &DVec3)| {
+        let relative = noise.variance / (*radiance * *radiance + RELMSE_EPSILON);
+        // Ignore values that are not finite.
+        relative.to_array().into_iter().filter(|value| value.is_finite()).map(|value| value.min(most)).sum::<f64>()
+    };
+    tile.iter().zip(radiance).map(of_pixel).sum()
+}
+
+/// Variance of the pixels of a tile, relative to their own means.
+fn own_variance(tile: &[Noise]) -> f64 {
+    let own: Vec<DVec3> = tile.iter().map(|noise| noise.mean).collect();
+    relative_variance(tile, &own, MAX_VARIANCE)
 }
