@@ -5,6 +5,7 @@
 //! renderer chooses for a picture that moves. Both take turns; the report has the medians.
 
 use crate::bench;
+use crate::measure::median;
 use pathmarch_cli::{BackendArgument, DONE, Failure, outln, value_parsers};
 use pathmarch_render::live::{Live, RenderRequest};
 use pathmarch_render::pathmarch_scene::document::{Document, Item, Path as NodePath, Value};
@@ -97,14 +98,18 @@ fn measure(arguments: &Arguments, name: &str, mut document: Document) -> Result<
         let started = Instant::now();
         document.set(&path, &key, Value::Number(value * factor), Some(1)).map_err(Failure::other)?;
         request.scene = document.scene().map_err(Failure::other)?.clone();
-        reading.push(started.elapsed());
+        reading.push(milliseconds(started));
         let started = Instant::now();
         size = show(&mut live, &request, &pictures)?;
-        rendering.push(started.elapsed());
+        rendering.push(milliseconds(started));
     }
-    let [reading, rendering] = [reading, rendering].map(median);
+    let [reading, rendering] = [reading, rendering].map(|times| median(&times));
     outln!("{name:20} {shapes:>8} {reading:>12.1} {rendering:>16.1} {:>12}", format!("{}x{}", size[0], size[1]));
     Ok(())
+}
+
+fn milliseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1000.0
 }
 
 /// Shows a request, waits for its first picture, and returns its size.
@@ -122,10 +127,4 @@ fn show(live: &mut Live, request: &RenderRequest, pictures: &Receiver<()>) -> Re
             .recv_timeout(end.saturating_duration_since(Instant::now()))
             .map_err(|_| Failure::Usage("no picture after a minute".to_owned()))?;
     }
-}
-
-/// Median, milliseconds.
-fn median(mut times: Vec<Duration>) -> f64 {
-    times.sort();
-    times[times.len() / 2].as_secs_f64() * 1000.0
 }

@@ -133,6 +133,13 @@ impl Times {
     }
 }
 
+/// Median of at least one value; the mean of the two in the middle of an even number.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2])
+}
+
 /// Budget of a picture.
 #[derive(Clone, Copy)]
 pub enum Budget {

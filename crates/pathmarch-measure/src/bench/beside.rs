@@ -12,7 +12,7 @@
 
 use super::Arguments;
 use super::scenes::NamedScene;
-use crate::measure::{self, Budget, Interrupt};
+use crate::measure::{self, Budget, Interrupt, median};
 use crate::peers::{Cycles, DescribedScene, Mitsuba, PeerPicture, Python, ThesisFrame, ThesisProgram};
 use crate::study::{describe_machine, letter_of};
 use pathmarch_cli::{DONE, FAILED, Failure, note, outln};
@@ -280,12 +280,6 @@ fn frames(
         }
     }
     Ok(())
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2])
 }
 
 #[cfg(test)]

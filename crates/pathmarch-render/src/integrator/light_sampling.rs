@@ -16,6 +16,7 @@ use crate::scene::sky::EnvironmentSample;
 use crate::scene::{RenderScene, SkyLight, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
+use pathmarch_field::number::Real;
 use pathmarch_scene::DirectLighting;
 use pathmarch_scene::textures::{MeshAttributes, Spot};
 use std::f32::consts::{PI, TAU};
@@ -314,9 +315,9 @@ pub(crate) fn light_pdf(shape: &LightShape, pmf: f32, p: Vec3, hit: Vec3, cosine
 
 /// Power heuristic: weight of a sample with pdf `a`, where another strategy has pdf `b`.
 #[inline]
-fn power_heuristic(a: f32, b: f32) -> f32 {
-    let ratio = b / a.max(1e-30);
-    1.0 / (1.0 + ratio * ratio)
+pub(super) fn power_heuristic<N: Real>(a: N, b: N) -> N {
+    let ratio = b / N::constant(1e-30).max(a);
+    N::one() / (N::one() + ratio * ratio)
 }
 
 /// MIS weight of BSDF sampling: a ray with pdf `scatter_pdf` hit a light that light sampling chooses with `light_pdf`.

@@ -3,7 +3,7 @@
 //!
 //! Spheres, rectangles and points are sampled side by side, lights of other kinds one by one.
 
-use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, sample_direction};
+use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, power_heuristic, sample_direction};
 use crate::intersect::ray::{lanes, mask_of, pack, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::TraceContext;
@@ -211,10 +211,7 @@ fn sample_others(
 /// MIS weights of light sampling; see [`sample_weight`](super::light_sampling::sample_weight).
 pub(super) fn sample_weights(search: DirectLighting, light_pdf: f32x8, scatter_pdf: f32x8) -> f32x8 {
     let weight = match search {
-        DirectLighting::Mis => {
-            let ratio = scatter_pdf / light_pdf.fast_max(f32x8::splat(1e-30));
-            f32x8::ONE / (f32x8::ONE + ratio * ratio)
-        }
+        DirectLighting::Mis => power_heuristic(light_pdf, scatter_pdf),
         DirectLighting::LightSampling => f32x8::ONE,
         DirectLighting::BsdfSampling => f32x8::ZERO,
     };

@@ -176,15 +176,16 @@ fn scatter(
     let mut shadow_tests = Vec::with_capacity(paths.len());
     let mut lambertian = Vec::with_capacity(paths.len());
     for (index, (vertex, scatters)) in vertices.iter().zip(&mut scatters).enumerate() {
-        if !*scatters {
-            continue;
-        }
-        let (path, samples) = (&mut paths[index], samples.of(index));
-        let next_ray = match vertex {
+        match vertex {
+            _ if !*scatters => continue,
             Vertex::Surface(interaction) if is_lambertian(ctx, interaction.leaf) => {
                 lambertian.push((index, interaction));
                 continue;
             }
+            _ => {}
+        }
+        let (path, samples) = (&mut paths[index], samples.of(index));
+        let next_ray = match vertex {
             Vertex::Surface(interaction) => {
                 shade(ctx, path, interaction, &samples, surface_index, radiance, &mut shadow_tests)
             }

@@ -65,21 +65,21 @@ pub(crate) fn pays(
         .map(|tile| {
             let noise = [noise_of(&apart, &counters[0], tile), noise_of(&shared, &counters[1], tile)];
             let around = radiance_around(&noise[1]);
-            noise.map(|noise| [own_variance(&noise), relative_variance(&noise, &around, MAX_RARE_VARIANCE)])
+            let [apart, shared] =
+                noise.map(|noise| [own_variance(&noise), relative_variance(&noise, &around, MAX_RARE_VARIANCE)]);
+            [0, 1].map(|measure| [apart[measure], shared[measure]])
         })
         .collect();
     let [cost, shared_cost] = counters.each_ref().map(probe::cost);
     let shared_cost = cost + connection_cost * (shared_cost - cost);
-    let pays_by = |measure: usize| {
-        let [variance, shared_variance] =
-            [0, 1].map(|k| variances.iter().map(|tile: &[[f64; 2]; 2]| tile[k][measure]).sum::<f64>());
-        shared_variance * shared_cost < (1.0 - MIN_GAIN) * variance * cost
-    };
-    pays_by(0) || pays_by(1)
+    // By either measure.
+    [0, 1].into_iter().any(|measure| {
+        let sum = |side: usize| variances.iter().map(|tile| tile[measure][side]).sum::<f64>();
+        sum(1) * shared_cost < (1.0 - MIN_GAIN) * sum(0) * cost
+    })
 }
 
 /// Mean and variance of the samples of a pixel, by channel.
-#[derive(Clone, Copy)]
 struct Noise {
     mean: DVec3,
     variance: DVec3,

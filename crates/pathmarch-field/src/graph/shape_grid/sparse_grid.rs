@@ -672,6 +672,7 @@ fn lanes_of(bits: u8) -> f32x8 {
     let low = std::array::from_fn(|k| (u32::from(bits) & (1 << k)) as f32);
     f32x8::from(low).simd_ge(f32x8::from(LANE))
 }
+
 /// Eight octants of a cell.
 fn octants_of([x, y, z]: [u32; 3]) -> [[u32; 3]; 8] {
     std::array::from_fn(|k| [2 * x + (k as u32 & 1), 2 * y + (k as u32 >> 1 & 1), 2 * z + (k as u32 >> 2)])

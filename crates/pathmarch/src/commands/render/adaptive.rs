@@ -84,26 +84,13 @@ impl Task<'_> {
             regions: Vec::new(),
         };
         let checkpoint = self.output.file().map(Checkpoint::of);
-        let film = match &checkpoint {
-            Some(checkpoint) if self.arguments.resume => checkpoint.open()?,
-            Some(checkpoint) if checkpoint.exists() && self.place.2.is_none() => {
-                checkpoint.say_unfinished();
-                None
-            }
-            _ => None,
-        };
-        let Some(film) = film else {
-            if self.arguments.resume && self.place.2.is_none() {
-                note!("note: there is no checkpoint; rendering from the first sample");
-            }
+        let Some(film) = self.film_to_resume(checkpoint.as_ref())? else {
             return Ok((job, header, checkpoint));
         };
         let path = film.path().to_owned();
         let samples = header.samples;
         let parts = checkpoint::parts(film, &header.identity, &header.engines[0], self.settings.rect(), samples)?;
-        let parts: [FilmPart; 3] = parts
-            .try_into()
-            .map_err(|_| Failure::Other(format!("{}: the number of its regions is wrong", path.display())))?;
+        let parts: [FilmPart; 3] = parts.try_into().map_err(|_| checkpoint::wrong_regions(&path))?;
         Ok((start(Some(parts))?, header, checkpoint))
     }
 

@@ -96,6 +96,11 @@ fn interval() -> Duration {
     seconds.map_or(INTERVAL, Duration::from_secs_f64)
 }
 
+/// Failure of a checkpoint with a wrong number of parts.
+pub(super) fn wrong_regions(path: &Path) -> Failure {
+    Failure::Other(format!("{}: the number of its regions is wrong", path.display()))
+}
+
 /// Parts of a checkpoint, if it is one of this picture.
 pub(super) fn parts(
     mut film: FilmFile,

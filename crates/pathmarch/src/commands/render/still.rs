@@ -141,6 +141,24 @@ impl Task<'_> {
         Picture { index, count, frame, started: Instant::now(), before, samples: self.settings.samples }
     }
 
+    /// Film of the checkpoint, if the picture is to be resumed and has one. Prints notes of a checkpoint that is not used, or that
+    /// is missing.
+    pub(super) fn film_to_resume(&self, checkpoint: Option<&Checkpoint>) -> Result<Option<FilmFile>, Failure> {
+        let is_still = self.place.2.is_none();
+        let film = match checkpoint {
+            Some(checkpoint) if self.arguments.resume => checkpoint.open()?,
+            Some(checkpoint) if checkpoint.exists() && is_still => {
+                checkpoint.say_unfinished();
+                None
+            }
+            _ => None,
+        };
+        if film.is_none() && self.arguments.resume && is_still {
+            note!("note: there is no checkpoint; rendering from the first sample");
+        }
+        Ok(film)
+    }
+
     /// The job, the samples of the checkpoint, their number, and the checkpoint.
     fn begin(&self) -> Result<(Job, Samples, u32, FilmHeader, Option<Checkpoint>), Failure> {
         let (settings, denoiser) = (&self.settings, self.arguments.denoise);
@@ -160,24 +178,12 @@ impl Task<'_> {
             regions: Vec::new(),
         };
         let checkpoint = self.output.file().map(Checkpoint::of);
-        let film = match &checkpoint {
-            Some(checkpoint) if self.arguments.resume => checkpoint.open()?,
-            Some(checkpoint) if checkpoint.exists() && self.place.2.is_none() => {
-                checkpoint.say_unfinished();
-                None
-            }
-            _ => None,
-        };
-        let Some(film) = film else {
-            if self.arguments.resume && self.place.2.is_none() {
-                note!("note: there is no checkpoint; rendering from the first sample");
-            }
+        let Some(film) = self.film_to_resume(checkpoint.as_ref())? else {
             return Ok((job, Samples::new(settings, denoiser), 0, header, checkpoint));
         };
         let path = film.path().to_owned();
         let parts = checkpoint::parts(film, &header.identity, &header.engines[0], settings.rect(), [first, end])?;
-        let damaged = || Failure::Other(format!("{}: the number of its regions is wrong", path.display()));
-        let samples = Samples::of(parts, settings, denoiser).ok_or_else(damaged)?;
+        let samples = Samples::of(parts, settings, denoiser).ok_or_else(|| checkpoint::wrong_regions(&path))?;
         let before = samples.count();
         if before == 0 || before >= settings.samples {
             return Ok((job, samples, before.min(settings.samples), header, checkpoint));
