@@ -115,8 +115,11 @@ fn act(person: &mut Person, random: &mut Random, size: Vec2) {
         }
         16 => {
             let items = person.items();
-            let item = items[random.below(items.len())].path.clone();
-            person.app_mut().select(Some(item));
+            // A file opened with a mistake has none.
+            if !items.is_empty() {
+                let item = items[random.below(items.len())].path.clone();
+                person.app_mut().select(Some(item));
+            }
         }
         17 => {
             let text = person.harness.query_all_by_role_and_label(Role::MultilineTextInput, "Scene text").next();
