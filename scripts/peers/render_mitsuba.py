@@ -68,7 +68,7 @@ def mesh(part, directory, transform, material):
     if "emitter" in material:
         properties["mesh_emitter"] = mi.load_dict(material["emitter"])
     properties["face_normals"] = "normals" not in part and "colours" not in part
-    made = mi.Mesh(part["object"], len(positions), len(triangles) // 3, has_vertex_normals="normals" in part, props=properties)
+    made = mi.Mesh(part["object"], len(positions), len(triangles) // 3, has_vertex_normals="normals" in part or "colours" in part, props=properties)
     parameters = mi.traverse(made)
     parameters["vertex_positions"] = positions.astype("f4").ravel()
     parameters["faces"] = triangles

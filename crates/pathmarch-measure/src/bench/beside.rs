@@ -9,6 +9,9 @@
 //!
 //! **Limits.** Scenes that [`DescribedScene`] cannot describe have no peers. Settings are unbiased: `caustics "sampled"`, no clamp.
 //! Our seconds and Mitsuba's exclude compilation and the building of the scene; those of Cycles include the latter.
+//!
+//! With `--thesis-shader`, frames of the thesis's program are timed beside frames of ours: one sample of every pixel with
+//! four hits, each with a camera ray and a path of its own, as in a moving picture.
 
 use super::Arguments;
 use super::scenes::NamedScene;
@@ -45,11 +48,12 @@ impl Peers {
     fn find(arguments: &Arguments) -> Self {
         let python = Python::new(arguments.python.as_deref());
         let named = |name: &str, version: String| format!("{name} {version}");
-        let mitsuba = Mitsuba::find(python.clone()).map(|mitsuba| {
+        let is_wanted = arguments.peers;
+        let mitsuba = is_wanted.then(|| Mitsuba::find(python.clone())).flatten().map(|mitsuba| {
             let name = named("Mitsuba LLVM", mitsuba.version());
             (mitsuba, name)
         });
-        let cycles = Cycles::find(python.clone()).map(|cycles| {
+        let cycles = is_wanted.then(|| Cycles::find(python.clone())).flatten().map(|cycles| {
             let name = named("Cycles", cycles.version());
             (cycles, name)
         });
@@ -94,10 +98,12 @@ pub fn run(
     let [processor, memory, system] = describe_machine();
     let ([width, height], rounds) = (arguments.size(), arguments.rounds());
     outln!("{processor}; {memory}; {system}; {width}x{height}, {rounds} rounds\n");
-    outln!("| Scene | Renderer | Samples | Seconds | relMSE | Cost | Of ours | Spread | Mean, % |");
-    outln!("|---|---|---|---|---|---|---|---|---|");
     let mut measured = 0;
-    for chosen in scenes {
+    if arguments.peers {
+        outln!("| Scene | Renderer | Samples | Seconds | relMSE | Cost | Of ours | Spread | Mean, % |");
+        outln!("|---|---|---|---|---|---|---|---|---|");
+    }
+    for chosen in scenes.iter().filter(|_| arguments.peers) {
         match measure_scene(arguments, chosen, (renderers, &peers), interrupt) {
             Ok(()) => measured += 1,
             Err(Failure::Interrupted) => return Err(Failure::Interrupted),
@@ -108,7 +114,7 @@ pub fn run(
         }
     }
     if let Some(program) = &peers.program {
-        frames(arguments, scenes, (renderers, program), interrupt)?;
+        measured += frames(arguments, scenes, (renderers, program), interrupt)?;
     }
     Ok(if measured > 0 { DONE } else { FAILED })
 }
@@ -239,13 +245,14 @@ fn mean_difference(rounds: &[&PeerPicture], reference: &[[f64; 3]]) -> [f64; 2] 
     [mean, (variance / count).sqrt()]
 }
 
-/// Frames of one sample and four hits, by the thesis's program and by ours, in turns.
+/// Frames of one sample and four hits, by the thesis's program and by ours, in turns. Returns the number of scenes.
 fn frames(
     arguments: &Arguments,
     scenes: &[NamedScene],
     (renderers, program): (&[Renderer], &ThesisProgram),
     interrupt: &Interrupt,
-) -> Result<(), Failure> {
+) -> Result<u32, Failure> {
+    let mut measured = 0;
     outln!(
         "\n| Scene | Thesis's program, ms | Ours, ms | Backend | Times faster | Spread |\n|---|---|---|---|---|---|"
     );
@@ -253,7 +260,8 @@ fn frames(
         let Some(letter) = letter_of(name) else { continue };
         let rounds = arguments.rounds();
         let settings = Settings { size: arguments.size(), bounces: PROGRAM_BOUNCES, ..Settings::of(scene) };
-        let settings = Settings { samples: 1 + rounds, ..settings };
+        let settings =
+            Settings { samples: 1 + rounds, splitting: Some(1), path_reuse: Some(false), ..settings };
         let frame = ThesisFrame { scene: letter, camera: settings.camera_of(scene).clone(), hits: PROGRAM_BOUNCES + 1 };
         let mut jobs = Vec::new();
         for renderer in renderers {
@@ -278,8 +286,9 @@ fn frames(
             let ratio = factor(theirs / ours);
             outln!("| {name} | {theirs:.0} | {ours:.0} | {backend} | {ratio} | {}-{} |", factor(low), factor(high));
         }
+        measured += 1;
     }
-    Ok(())
+    Ok(measured)
 }
 
 #[cfg(test)]

@@ -94,11 +94,11 @@ pub struct Arguments {
     /// Render the scenes with Mitsuba and Cycles, too, where they are installed, and compare time x relMSE
     #[arg(long, conflicts_with_all = ["error", "references", "json", "compare", "from"])]
     peers: bool,
-    /// Python with the modules mitsuba, bpy and moderngl, for --peers [default: python3]
-    #[arg(long, value_name = "PROGRAM", requires = "peers")]
+    /// Python with the modules mitsuba, bpy and moderngl, for --peers and --thesis-shader [default: python3]
+    #[arg(long, value_name = "PROGRAM")]
     python: Option<PathBuf>,
-    /// Also time a frame of the thesis's program: shaders/pathTracer.fs of Arukiap/Path-marcher
-    #[arg(long, value_name = "FILE", requires = "peers")]
+    /// Time frames of the thesis's program beside ours; the file is shaders/pathTracer.fs of Arukiap/Path-marcher
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["error", "references", "json", "compare", "from"])]
     thesis_shader: Option<PathBuf>,
     /// Print the memory that this process used for one sample
     #[arg(long, hide = true)]
@@ -177,7 +177,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let references = arguments.reference_store()?;
     let all = scenes::chosen(&arguments.scenes)?;
     let renderers = measure::renderers(arguments.backend.map(Into::into), arguments.adapter.as_deref())?;
-    if arguments.peers {
+    if arguments.peers || arguments.thesis_shader.is_some() {
         return beside::run(arguments, &all, &renderers, &interrupt);
     }
     let mut results = arguments.results();
