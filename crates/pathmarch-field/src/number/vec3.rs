@@ -38,6 +38,18 @@ impl<N: Real> Vec3<N> {
     pub fn length(self) -> N {
         N::norm([self.x, self.y, self.z])
     }
+    /// Vector of length one in its direction.
+    pub fn normalized(self) -> Self {
+        self * (N::one() / self.length())
+    }
+    /// Products of the components.
+    pub fn times(self, other: Self) -> Self {
+        Self::new(self.x * other.x, self.y * other.y, self.z * other.z)
+    }
+    /// Selects `yes` where the mask is true, else `no`.
+    pub fn select(mask: N::Mask, yes: Self, no: Self) -> Self {
+        Self::new(N::select(mask, yes.x, no.x), N::select(mask, yes.y, no.y), N::select(mask, yes.z, no.z))
+    }
     /// Magnitude of each component.
     pub fn abs(self) -> Self {
         Self::new(self.x.abs(), self.y.abs(), self.z.abs())
@@ -49,6 +61,20 @@ impl<N: Real> Vec3<N> {
     /// Largest component.
     pub fn largest(self) -> N {
         self.x.max(self.y.max(self.z))
+    }
+}
+
+impl From<glam::Vec3> for Vec3<f32> {
+    #[inline(always)]
+    fn from(v: glam::Vec3) -> Self {
+        Self::new(v.x, v.y, v.z)
+    }
+}
+
+impl From<Vec3<f32>> for glam::Vec3 {
+    #[inline(always)]
+    fn from(v: Vec3<f32>) -> Self {
+        Self::new(v.x, v.y, v.z)
     }
 }
 

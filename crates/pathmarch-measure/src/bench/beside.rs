@@ -260,8 +260,7 @@ fn frames(
         let Some(letter) = letter_of(name) else { continue };
         let rounds = arguments.rounds();
         let settings = Settings { size: arguments.size(), bounces: PROGRAM_BOUNCES, ..Settings::of(scene) };
-        let settings =
-            Settings { samples: 1 + rounds, splitting: Some(1), path_reuse: Some(false), ..settings };
+        let settings = Settings { samples: 1 + rounds, splitting: Some(1), path_reuse: Some(false), ..settings };
         let frame = ThesisFrame { scene: letter, camera: settings.camera_of(scene).clone(), hits: PROGRAM_BOUNCES + 1 };
         let mut jobs = Vec::new();
         for renderer in renderers {

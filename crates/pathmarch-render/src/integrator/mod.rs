@@ -6,13 +6,13 @@
 
 pub(crate) mod camera;
 pub(crate) mod guides;
-mod lambertian;
 pub(crate) mod light_sampling;
 mod light_sampling_lanes;
 pub(crate) mod media_segment;
 pub(crate) mod medium;
 pub(crate) mod moments;
 mod nested_dielectrics;
+mod opaque_surfaces;
 pub(crate) mod participating_media;
 pub(crate) mod path;
 pub(crate) mod path_reuse;

@@ -22,11 +22,11 @@
 
 use super::camera::{camera_rays, pixel_sampler};
 use super::guides::{Guide, GuideRecorder};
-use super::lambertian::{self, is_lambertian};
 use super::light_sampling;
 use super::media_segment::{self, Vertex};
 use super::medium::transmittance;
 use super::nested_dielectrics::refracting_parameters;
+use super::opaque_surfaces::{self, SurfaceOfPath, kind_in_lanes};
 use super::participating_media::medium_after;
 use super::path_reuse::PathReuse;
 use super::path_state::{Path, clamped, escaped_radiance};
@@ -45,6 +45,7 @@ use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactio
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use glam::Vec3;
 use pathmarch_field::graph::Batch;
+use pathmarch_scene::materials::KindInLanes;
 use std::iter::repeat_n;
 
 /// Radiance of `samples` samples of each of these pixels from sample `first` on, pixel by pixel. More than one sample
@@ -174,15 +175,23 @@ fn scatter(
 ) -> Vec<ShadowTest> {
     let samples = SurfaceSamples::new(ctx, paths, surface_index);
     let mut shadow_tests = Vec::with_capacity(paths.len());
-    let mut lambertian = Vec::with_capacity(paths.len());
+    let mut opaque: Vec<(KindInLanes, Vec<SurfaceOfPath>)> = Vec::new();
     for (index, (vertex, scatters)) in vertices.iter().zip(&mut scatters).enumerate() {
-        match vertex {
-            _ if !*scatters => continue,
-            Vertex::Surface(interaction) if is_lambertian(ctx, interaction.leaf) => {
-                lambertian.push((index, interaction));
-                continue;
+        if !*scatters {
+            continue;
+        }
+        if let Vertex::Surface(interaction) = vertex
+            && let Some(kind) = kind_in_lanes(ctx, interaction.leaf)
+        {
+            match opaque.iter_mut().find(|(other, _)| *other == kind) {
+                Some((_, surfaces)) => surfaces.push((index, interaction)),
+                None => {
+                    let mut surfaces = Vec::with_capacity(paths.len());
+                    surfaces.push((index, interaction));
+                    opaque.push((kind, surfaces));
+                }
             }
-            _ => {}
+            continue;
         }
         let (path, samples) = (&mut paths[index], samples.of(index));
         let next_ray = match vertex {
@@ -193,10 +202,13 @@ fn scatter(
         };
         *scatters = next_ray.is_some();
     }
-    for surfaces in lambertian.chunks(8) {
-        let going_on = lambertian::shade(ctx, paths, surfaces, &samples, surface_index, &mut shadow_tests);
-        for (lane, (index, _)) in surfaces.iter().enumerate() {
-            scatters[*index] = going_on >> lane & 1 == 1;
+    for (kind, surfaces) in &opaque {
+        for surfaces in surfaces.chunks(8) {
+            let going_on =
+                opaque_surfaces::shade(ctx, *kind, paths, surfaces, &samples, surface_index, &mut shadow_tests);
+            for (lane, (index, _)) in surfaces.iter().enumerate() {
+                scatters[*index] = going_on >> lane & 1 == 1;
+            }
         }
     }
     let mut kept = scatters.into_iter();

@@ -33,6 +33,19 @@ impl Basis8 {
         Self { tangent, bitangent: FieldVec3::new(b, sign + n.y * n.y * a, -n.y), normal: n }
     }
 
+    /// Maps world to local space.
+    #[inline(always)]
+    pub(crate) fn to_local(&self, v: FieldVec3<f32x8>) -> FieldVec3<f32x8> {
+        FieldVec3::new(self.tangent.dot(v), self.bitangent.dot(v), self.normal.dot(v))
+    }
+
+    /// Unit vector to the viewer in local space, as [`local_viewer`].
+    #[inline(always)]
+    pub(crate) fn local_viewer(&self, to_viewer: FieldVec3<f32x8>) -> FieldVec3<f32x8> {
+        let wo = self.to_local(to_viewer);
+        FieldVec3::new(wo.x, wo.y, wo.z.abs().fast_max(f32x8::splat(1e-5)))
+    }
+
     /// Maps local to world space.
     #[inline(always)]
     pub(crate) fn to_world(&self, v: FieldVec3<f32x8>) -> FieldVec3<f32x8> {

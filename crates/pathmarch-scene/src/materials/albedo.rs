@@ -36,7 +36,7 @@ pub(super) fn integrate(cosine: f32, alpha: f32, factor: impl Fn(f32) -> f32) ->
     let wo = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
     let facet = |k: usize| {
         let at = |k: usize| (k as f32 + 0.5) / SAMPLES as f32;
-        let h = visible_normal(wo, alpha, [at(k % SAMPLES), at(k / SAMPLES)]);
+        let h: Vec3 = visible_normal(wo, alpha, [at(k % SAMPLES), at(k / SAMPLES)]).into();
         let wi = reflect(wo, h);
         if wi.z <= 0.0 {
             return 0.0;

@@ -3,11 +3,14 @@
 //! A.5.3), so that the weight of a sample is the albedo.
 
 use super::{
-    no_dielectric, vacuum, Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of, emission,
+    Bsdf, BsdfInLanes, KindInLanes, ParametersInLanes, BsdfParameters, Eval, EvalInLanes, MaterialKind, PreviewMaterial, Scattered, ScatteredInLanes,
+    Texturing, colour, colour_of, emission, no_dielectric, vacuum,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
-use std::f32::consts::{PI, TAU};
+use pathmarch_field::number::{Real, Vec3 as FieldVec3};
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use wide::f32x8;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "diffuse",
@@ -47,6 +50,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         with_index: None,
         eval,
         sample,
+        in_lanes: Some(KindInLanes::Diffuse),
         wgsl: include_str!("diffuse.wgsl"),
     }),
 };
@@ -58,12 +62,32 @@ fn eval(parameters: &BsdfParameters, _wo: Vec3, wi: Vec3, _inside: bool) -> Eval
 
 fn sample(parameters: &BsdfParameters, _wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Option<Scattered> {
     let wi = cosine_direction([u, v]);
-    Some(Scattered { wi, weight: colour_of(parameters), pdf: wi.z / PI, eta: 1.0 })
+    Some(Scattered { wi: wi.into(), weight: colour_of(parameters), pdf: wi.z / PI, eta: 1.0 })
+}
+
+/// Lambertian reflection for eight paths.
+pub struct DiffuseInLanes;
+
+impl BsdfInLanes for DiffuseInLanes {
+    const PARAMETERS: usize = 3;
+
+    #[inline(always)]
+    fn eval([r, g, b, ..]: &ParametersInLanes, _wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes {
+        let pdf = wi.z.max(f32x8::ZERO) * f32x8::splat(FRAC_1_PI);
+        EvalInLanes { value: FieldVec3::new(*r, *g, *b) * pdf, pdf }
+    }
+
+    #[inline(always)]
+    fn sample([r, g, b, ..]: &ParametersInLanes, _wo: FieldVec3<f32x8>, random: [f32x8; 2]) -> ScatteredInLanes {
+        let wi = cosine_direction(random);
+        ScatteredInLanes { wi, weight: FieldVec3::new(*r, *g, *b), pdf: wi.z * f32x8::splat(FRAC_1_PI) }
+    }
 }
 
 /// A direction about z, its density cosine/π over solid angle.
-pub(super) fn cosine_direction([u, v]: [f32; 2]) -> Vec3 {
+#[inline(always)]
+pub(super) fn cosine_direction<N: Real>([u, v]: [N; 2]) -> FieldVec3<N> {
     let radius = u.sqrt();
-    let (sine, cosine) = (TAU * v).sin_cos();
-    Vec3::new(radius * cosine, radius * sine, (1.0 - u).max(1e-8).sqrt())
+    let (sine, cosine) = (N::constant(TAU) * v).sin_cos();
+    FieldVec3::new(radius * cosine, radius * sine, (N::one() - u).max(N::constant(1e-8)).sqrt())
 }

@@ -131,6 +131,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         }),
         eval,
         sample,
+        in_lanes: None,
         wgsl: include_str!("glass.wgsl"),
     }),
 };
@@ -175,9 +176,9 @@ fn integrated_albedo(cosine: f32, alpha: f32, eta: f32) -> f32 {
     let wo = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
     let facet = |k: usize| {
         let at = |k: usize| (k as f32 + 0.5) / SAMPLES as f32;
-        let h = visible_normal(wo, alpha, [at(k % SAMPLES), at(k / SAMPLES)]);
+        let h: Vec3 = visible_normal(wo, alpha, [at(k % SAMPLES), at(k / SAMPLES)]).into();
         let reflected = fresnel(wo.dot(h), eta);
-        let (above, below) = (reflect(wo, h), refract(wo, h, eta));
+        let (above, below): (Vec3, Vec3) = (reflect(wo, h).into(), refract(wo, h, eta));
         let reflection = if above.z > 0.0 { reflected * unshadowed(wo, above, alpha) } else { 0.0 };
         let refraction = if below.z < 0.0 { (1.0 - reflected) * unhidden(below, alpha) } else { 0.0 };
         reflection + refraction
@@ -227,15 +228,15 @@ fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [
         // Both faces lie between the same two media, whichever side light comes from.
         let reflected = sheet_reflection(fresnel(wo.z, parameters[IOR]));
         return Some(match choice < reflected {
-            true => Scattered { wi: reflect(wo, Vec3::Z), weight: Vec3::ONE, pdf: 0.0, eta: 1.0 },
+            true => Scattered { wi: reflect(wo, Vec3::Z).into(), weight: Vec3::ONE, pdf: 0.0, eta: 1.0 },
             false => Scattered { wi: -wo, weight: colour_of(parameters), pdf: 0.0, eta: 1.0 },
         });
     }
     let smooth = alpha < MIRROR_ALPHA;
-    let h = if smooth { Vec3::Z } else { visible_normal(wo, alpha, [u, v]) };
+    let h = if smooth { Vec3::Z } else { visible_normal(wo, alpha, [u, v]).into() };
     let reflected = fresnel(wo.dot(h), eta);
     if choice < reflected {
-        let wi = reflect(wo, h);
+        let wi: Vec3 = reflect(wo, h).into();
         if smooth {
             return Some(Scattered { wi, weight: Vec3::ONE, pdf: 0.0, eta: 1.0 });
         }

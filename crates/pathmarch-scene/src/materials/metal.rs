@@ -6,11 +6,13 @@
 use super::albedo::lookup;
 use super::microfacet::{FOCUSING_ALPHA, MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
 use super::{
-    Bsdf, BsdfParameters, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, colour, colour_of, emission,
-    multiscatter, roughness, no_dielectric, vacuum,
+    Bsdf, BsdfInLanes, KindInLanes, BsdfParameters, Eval, EvalInLanes, MaterialKind, ParametersInLanes, PreviewMaterial, Scattered,
+    ScatteredInLanes, Texturing, colour, colour_of, emission, multiscatter, no_dielectric, roughness, vacuum,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
+use pathmarch_field::number::{Real, Vec3 as FieldVec3};
+use wide::f32x8;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "metal",
@@ -65,45 +67,119 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         with_index: None,
         eval,
         sample,
+        in_lanes: Some(KindInLanes::Metal),
         wgsl: include_str!("metal.wgsl"),
     }),
 };
 
-fn fresnel(parameters: &BsdfParameters, cosine: f32) -> Vec3 {
-    schlick(colour_of(parameters), Vec3::from_slice(&parameters[4..7]), cosine)
-}
-
 /// Factor that gives back light lost between the facets.
-fn compensation(parameters: &BsdfParameters, wo: Vec3) -> Vec3 {
-    if parameters[7] == 0.0 {
+fn compensation(colour: Vec3, multiscatter: f32, alpha: f32, cosine: f32) -> Vec3 {
+    if multiscatter == 0.0 {
         return Vec3::ONE;
     }
-    let [a, b] = lookup(wo.z, parameters[3].sqrt());
-    Vec3::ONE + colour_of(parameters) * (parameters[7] * (1.0 / (a + b) - 1.0))
+    let [a, b] = lookup(cosine, alpha.sqrt());
+    Vec3::ONE + colour * (multiscatter * (1.0 / (a + b) - 1.0))
+}
+
+/// Metal for one path, or for eight.
+struct Metal<N> {
+    f0: FieldVec3<N>,
+    f90: FieldVec3<N>,
+    alpha: N,
+    /// Factor that gives back light lost between the facets.
+    compensation: FieldVec3<N>,
+}
+
+impl<N: Real> Metal<N> {
+    fn is_mirror(&self) -> N::Mask {
+        self.alpha.lt(N::constant(MIRROR_ALPHA))
+    }
+
+    /// Reflected share of the light that falls on facets at this cosine.
+    #[inline(always)]
+    fn colour(&self, cosine: N) -> FieldVec3<N> {
+        schlick(self.f0, self.f90, cosine)
+    }
+
+    /// Value and density of a direction; zero for a mirror.
+    #[inline(always)]
+    fn eval(&self, wo: FieldVec3<N>, wi: FieldVec3<N>) -> (FieldVec3<N>, N) {
+        let h = (wo + wi).normalized();
+        let (value, pdf) = reflection(wo, wi, h, self.alpha);
+        let value = self.colour(wo.dot(h)).times(self.compensation) * value;
+        let is_reflected = N::zero().lt(wi.z) & !self.is_mirror();
+        (FieldVec3::select(is_reflected, value, FieldVec3::splat(N::zero())), N::select(is_reflected, pdf, N::zero()))
+    }
+
+    /// Direction, its weight and density (0 for a mirror); the light is lost where the direction points below the surface.
+    #[inline(always)]
+    fn sample(&self, wo: FieldVec3<N>, position: [N; 2]) -> (FieldVec3<N>, FieldVec3<N>, N) {
+        let (is_mirror, up) = (self.is_mirror(), FieldVec3::constant([0.0, 0.0, 1.0]));
+        let alpha = self.alpha.max(N::constant(MIRROR_ALPHA));
+        let h = FieldVec3::select(is_mirror, up, visible_normal(wo, alpha, position));
+        let wi = reflect(wo, h);
+        let (_, pdf) = reflection(wo, wi, h, alpha);
+        let weight = self.compensation * unshadowed(wo, wi, alpha);
+        let weight = FieldVec3::select(is_mirror, FieldVec3::splat(N::one()), weight);
+        (wi, self.colour(wo.dot(h)).times(weight), N::select(is_mirror, N::zero(), pdf))
+    }
+}
+
+impl Metal<f32> {
+    fn new(parameters: &BsdfParameters, wo: Vec3) -> Self {
+        let (colour, alpha) = (colour_of(parameters), parameters[3]);
+        Self {
+            f0: colour.into(),
+            f90: Vec3::from_slice(&parameters[4..7]).into(),
+            alpha,
+            compensation: compensation(colour, parameters[7], alpha, wo.z).into(),
+        }
+    }
+}
+
+impl Metal<f32x8> {
+    fn new([r, g, b, alpha, edge_r, edge_g, edge_b, multiscatter]: &ParametersInLanes, wo: FieldVec3<f32x8>) -> Self {
+        let f0 = FieldVec3::new(*r, *g, *b);
+        let mut compensation = FieldVec3::splat(f32x8::ONE);
+        let shares = multiscatter.to_array();
+        if shares != [0.0; 8] {
+            let [r, g, b, alpha, cosine] = [*r, *g, *b, *alpha, wo.z].map(f32x8::to_array);
+            let factors: [Vec3; 8] = std::array::from_fn(|lane| {
+                let colour = Vec3::new(r[lane], g[lane], b[lane]);
+                self::compensation(colour, shares[lane], alpha[lane], cosine[lane])
+            });
+            let component = |k: usize| f32x8::from(factors.map(|factor| factor[k]));
+            compensation = FieldVec3::new(component(0), component(1), component(2));
+        }
+        Self { f0, f90: FieldVec3::new(*edge_r, *edge_g, *edge_b), alpha: *alpha, compensation }
+    }
 }
 
 fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, _inside: bool) -> Eval {
-    let alpha = parameters[3];
-    if wi.z <= 0.0 || alpha < MIRROR_ALPHA {
-        return Eval::NONE;
-    }
-    let h = (wo + wi).normalize();
-    let (value, pdf) = reflection(wo, wi, h, alpha);
-    Eval { value: fresnel(parameters, wo.dot(h)) * compensation(parameters, wo) * value, pdf }
+    let (value, pdf) = Metal::<f32>::new(parameters, wo).eval(wo.into(), wi.into());
+    Eval { value: value.into(), pdf }
 }
 
 fn sample(parameters: &BsdfParameters, wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Option<Scattered> {
-    let alpha = parameters[3];
-    if alpha < MIRROR_ALPHA {
-        let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-        return Some(Scattered { wi, weight: fresnel(parameters, wo.z), pdf: 0.0, eta: 1.0 });
+    let (wi, weight, pdf) = Metal::<f32>::new(parameters, wo).sample(wo.into(), [u, v]);
+    (wi.z > 0.0).then(|| Scattered { wi: wi.into(), weight: weight.into(), pdf, eta: 1.0 })
+}
+
+/// Metal for eight paths.
+pub struct MetalInLanes;
+
+impl BsdfInLanes for MetalInLanes {
+    const PARAMETERS: usize = 8;
+
+    #[inline(always)]
+    fn eval(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes {
+        let (value, pdf) = Metal::<f32x8>::new(parameters, wo).eval(wo, wi);
+        EvalInLanes { value, pdf }
     }
-    let h = visible_normal(wo, alpha, [u, v]);
-    let wi = reflect(wo, h);
-    if wi.z <= 0.0 {
-        return None;
+
+    #[inline(always)]
+    fn sample(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, random: [f32x8; 2]) -> ScatteredInLanes {
+        let (wi, weight, pdf) = Metal::<f32x8>::new(parameters, wo).sample(wo, random);
+        ScatteredInLanes { wi, weight, pdf }
     }
-    let (_, pdf) = reflection(wo, wi, h, alpha);
-    let colour = fresnel(parameters, wo.dot(h)) * compensation(parameters, wo);
-    Some(Scattered { wi, weight: colour * unshadowed(wo, wi, alpha), pdf, eta: 1.0 })
 }

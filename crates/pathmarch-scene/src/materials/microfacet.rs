@@ -5,9 +5,11 @@
 //! "Physically-Based Shading at Disney"). Sources: Walter et al. 2007, "Microfacet Models for Refraction through Rough
 //! Surfaces" (distribution, refraction); Heitz 2014, "Understanding the Masking-Shadowing Function in Microfacet-Based
 //! BRDFs" (height-correlated masking); Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
-//! The terms are arranged so that nothing is divided by a cosine. Twin of microfacet.wgsl.
+//! The terms are arranged so that nothing is divided by a cosine. Functions over [`Real`] are for one path or for eight in
+//! SIMD lanes. Twin of microfacet.wgsl.
 
 use glam::Vec3;
+use pathmarch_field::number::{Real, Vec3 as FieldVec3};
 use std::f32::consts::{PI, TAU};
 
 /// Below this, a surface is a mirror: its lobe is narrower than anything a picture resolves.
@@ -19,13 +21,17 @@ pub(super) const FOCUSING_ALPHA: f32 = 0.0901;
 pub(super) const MIN_ALPHA: f32 = 1e-3;
 
 /// Density of normals `h` over solid angle, projected: GGX.
-pub(super) fn distribution(h: Vec3, alpha: f32) -> f32 {
+#[inline(always)]
+pub(super) fn distribution<N: Real>(h: impl Into<FieldVec3<N>>, alpha: N) -> N {
+    let h = h.into();
     let slope = (h.x * h.x + h.y * h.y) / (alpha * alpha) + h.z * h.z;
-    1.0 / (PI * alpha * alpha * slope * slope)
+    N::one() / (N::constant(PI) * alpha * alpha * slope * slope)
 }
 
 /// Length of a direction stretched by alpha: Smith's Λ is (stretched/|z| - 1)/2.
-pub(super) fn stretched(w: Vec3, alpha: f32) -> f32 {
+#[inline(always)]
+pub(super) fn stretched<N: Real>(w: impl Into<FieldVec3<N>>, alpha: N) -> N {
+    let w = w.into();
     (alpha * alpha * (w.x * w.x + w.y * w.y) + w.z * w.z).sqrt()
 }
 
@@ -36,15 +42,24 @@ pub(super) fn unhidden(w: Vec3, alpha: f32) -> f32 {
 
 /// BRDF times cosine of reflection by these normals with a Fresnel factor of one, and its density when `h` is drawn by
 /// [`visible_normal`].
-pub(super) fn reflection(wo: Vec3, wi: Vec3, h: Vec3, alpha: f32) -> (f32, f32) {
+#[inline(always)]
+pub(super) fn reflection<N: Real>(
+    wo: impl Into<FieldVec3<N>>,
+    wi: impl Into<FieldVec3<N>>,
+    h: impl Into<FieldVec3<N>>,
+    alpha: N,
+) -> (N, N) {
+    let (wo, wi, two) = (wo.into(), wi.into(), N::constant(2.0));
     let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
     let d = distribution(h, alpha);
-    (d * wi.z / (2.0 * (wi.z * o + wo.z * i)).max(1e-20), d / (2.0 * (o + wo.z)))
+    (d * wi.z / (two * (wi.z * o + wo.z * i)).max(N::constant(1e-20)), d / (two * (o + wo.z)))
 }
 
 /// Share of what is reflected from a visible facet into `wi` that nothing shadows: the weight of a sample of a Fresnel factor
 /// of one.
-pub(super) fn unshadowed(wo: Vec3, wi: Vec3, alpha: f32) -> f32 {
+#[inline(always)]
+pub(super) fn unshadowed<N: Real>(wo: impl Into<FieldVec3<N>>, wi: impl Into<FieldVec3<N>>, alpha: N) -> N {
+    let (wo, wi) = (wo.into(), wi.into());
     let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
     wi.z * (o + wo.z) / (wi.z * o + wo.z * i)
 }
@@ -59,23 +74,28 @@ pub(super) fn refraction_pdf(wo: Vec3, wi: Vec3, h: Vec3, alpha: f32, eta: f32) 
 }
 
 /// A normal as seen from `wo`, of density proportional to how much of it is seen.
-pub(super) fn visible_normal(wo: Vec3, alpha: f32, [u, v]: [f32; 2]) -> Vec3 {
-    let round = Vec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
-    let (sine, cosine) = (TAU * u).sin_cos();
-    let z = (1.0 - v) * (1.0 + round.z) - round.z;
-    let radius = (1.0 - z * z).max(0.0).sqrt();
-    let h = Vec3::new(radius * cosine, radius * sine, z) + round;
-    Vec3::new(alpha * h.x, alpha * h.y, h.z.max(1e-9)).normalize()
+#[inline(always)]
+pub(super) fn visible_normal<N: Real>(wo: impl Into<FieldVec3<N>>, alpha: N, [u, v]: [N; 2]) -> FieldVec3<N> {
+    let (wo, one, zero) = (wo.into(), N::one(), N::zero());
+    let round = FieldVec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalized();
+    let (sine, cosine) = (N::constant(TAU) * u).sin_cos();
+    let z = (one - v) * (one + round.z) - round.z;
+    let radius = (one - z * z).max(zero).sqrt();
+    let h = FieldVec3::new(radius * cosine, radius * sine, z) + round;
+    FieldVec3::new(alpha * h.x, alpha * h.y, h.z.max(N::constant(1e-9))).normalized()
 }
 
 /// Schlick's approximation of Fresnel's law (1994, "An Inexpensive BRDF Model for Physically-based Rendering").
-pub(super) fn schlick(f0: Vec3, f90: Vec3, cosine: f32) -> Vec3 {
-    f0 + (f90 - f0) * fifth_power(1.0 - cosine)
+#[inline(always)]
+pub(super) fn schlick<N: Real>(f0: impl Into<FieldVec3<N>>, f90: impl Into<FieldVec3<N>>, cosine: N) -> FieldVec3<N> {
+    let f0 = f0.into();
+    f0 + (f90.into() - f0) * fifth_power(N::one() - cosine)
 }
 
 /// Fifth power of a number, clamped to 0 to 1.
-pub(super) fn fifth_power(x: f32) -> f32 {
-    let x = x.clamp(0.0, 1.0);
+#[inline(always)]
+pub(super) fn fifth_power<N: Real>(x: N) -> N {
+    let x = x.clamp(N::zero(), N::one());
     x * x * x * x * x
 }
 
@@ -107,8 +127,10 @@ pub(super) fn head_on(eta: f32) -> f32 {
 }
 
 /// `wo` mirrored by `h`.
-pub(super) fn reflect(wo: Vec3, h: Vec3) -> Vec3 {
-    h * (2.0 * wo.dot(h)) - wo
+#[inline(always)]
+pub(super) fn reflect<N: Real>(wo: impl Into<FieldVec3<N>>, h: impl Into<FieldVec3<N>>) -> FieldVec3<N> {
+    let (wo, h) = (wo.into(), h.into());
+    h * (N::constant(2.0) * wo.dot(h)) - wo
 }
 
 /// `wo` refracted by `h` into a medium of relative index `eta`.

@@ -12,11 +12,15 @@ mod orbit_trap;
 
 use crate::medium::Medium;
 use crate::textures::{Decal, Pattern, Ramp, Texture};
+pub use diffuse::DiffuseInLanes;
 use glam::Vec3;
 pub use glass::straight_transmittance;
+pub use metal::MetalInLanes;
 pub use microfacet::fresnel;
 pub use orbit_trap::{OrbitTrap, Trap};
+use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_field::{Param, Range};
+use wide::f32x8;
 
 /// Type of a material's parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -204,6 +208,8 @@ pub struct Bsdf {
     /// A random direction of three uniform numbers in 0..1, the first two of them its position; `None` where the light
     /// is lost.
     pub sample: fn(&BsdfParameters, wo: Vec3, inside: bool, random: [f32; 3]) -> Option<Scattered>,
+    /// The same for eight paths at once, of an opaque surface that uses no third random number; `None` if there are none.
+    pub in_lanes: Option<KindInLanes>,
     /// The same in WGSL: `NAME_eval(m, wo, wi, inside) -> vec4f` (value, density) and
     /// `NAME_sample(m, wo, inside, random) -> Scattered`, where `m` is the index of the material.
     pub wgsl: &'static str,
@@ -256,6 +262,46 @@ pub struct Scattered {
     pub pdf: f32,
     /// Refractive index beyond the surface over that before it; 1 where it was reflected.
     pub eta: f32,
+}
+
+/// Materials whose scattering functions also exist for eight paths at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KindInLanes {
+    /// [`DiffuseInLanes`].
+    Diffuse,
+    /// [`MetalInLanes`].
+    Metal,
+}
+
+/// First eight [`BsdfParameters`] of eight surfaces.
+pub type ParametersInLanes = [f32x8; 8];
+
+/// Scattering functions of an opaque surface for eight paths at once, as those of [`Bsdf`] for one.
+pub trait BsdfInLanes {
+    /// Number of parameters that they read.
+    const PARAMETERS: usize;
+    /// The values and densities of a direction of each.
+    fn eval(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes;
+    /// A random direction of each, of two uniform numbers in 0..1.
+    fn sample(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, random: [f32x8; 2]) -> ScatteredInLanes;
+}
+
+/// [`Eval`] of eight surfaces.
+pub struct EvalInLanes {
+    /// BSDF times the cosine of `wi`, 1/sr.
+    pub value: FieldVec3<f32x8>,
+    /// Density of `wi`, over solid angle, 1/sr.
+    pub pdf: f32x8,
+}
+
+/// [`Scattered`] of eight surfaces. Light is lost where `wi.z` is not above 0.
+pub struct ScatteredInLanes {
+    /// The direction.
+    pub wi: FieldVec3<f32x8>,
+    /// BSDF times cosine over density.
+    pub weight: FieldVec3<f32x8>,
+    /// Density over solid angle, 1/sr; 0 for one of single directions.
+    pub pdf: f32x8,
 }
 
 /// Colour in the first three parameters.

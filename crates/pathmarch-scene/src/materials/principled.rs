@@ -88,6 +88,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         }),
         eval,
         sample,
+        in_lanes: None,
         wgsl: include_str!("principled.wgsl"),
     }),
 };
@@ -253,7 +254,7 @@ fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
 
     let facet = dielectric(parameters, cosine, inside);
     let [a, b] = view.split;
-    let metal = schlick(colour, Vec3::ONE, cosine) * (Vec3::ONE + colour * (1.0 / (a + b) - 1.0));
+    let metal = Vec3::from(schlick(colour, Vec3::ONE, cosine)) * (Vec3::ONE + colour * (1.0 / (a + b) - 1.0));
     let interface = metal * metallic + Vec3::splat((1.0 - metallic) * facet * compensation(parameters[F0], view.split));
     let (value, density) = reflection(wo, wi, h, view.alpha);
     let mut sum = interface * (value * through_coat);
@@ -278,18 +279,18 @@ fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [
     let view = view(parameters, wo, inside);
     let mut eta = 1.0;
     let wi = if choice < view.coat_chance {
-        reflect(wo, visible_normal(wo, view.coat_alpha, [u, v]))
+        reflect(wo, visible_normal(wo, view.coat_alpha, [u, v])).into()
     } else if choice < view.coat_chance + view.interface_chance {
-        let h = visible_normal(wo, view.alpha, [u, v]);
+        let h: Vec3 = visible_normal(wo, view.alpha, [u, v]).into();
         let facet_choice = (choice - view.coat_chance) / view.interface_chance;
         if facet_choice < reflect_chance(parameters, dielectric(parameters, wo.dot(h), inside)) {
-            reflect(wo, h)
+            reflect(wo, h).into()
         } else {
             eta = if inside { 1.0 / parameters[IOR] } else { parameters[IOR] };
             refract(wo, h, eta)
         }
     } else {
-        cosine_direction([u, v])
+        cosine_direction([u, v]).into()
     };
     if (wi.z > 0.0) != (eta == 1.0) {
         return None;
