@@ -218,38 +218,38 @@ impl LightShape {
         }
     }
 
-    /// Weight of the light in the choice of lights: the approximate luminance of its irradiance at the centre of the
-    /// scene, W/m².
-    fn weight(&self, extent: &Extent) -> f32 {
+    /// Approximate irradiance at the centre of the scene by the light of a given intensity, as that of its [bounds](Self::bounds),
+    /// W/m². Zero for the environment.
+    fn irradiance(&self, extent: &Extent, strength: &impl Fn(Vec3) -> f32) -> f32 {
         let falloff =
             |position: Vec3| position.distance_squared(extent.centre).max(extent.radius * extent.radius).max(1e-12);
-        match (self, self.bounds()) {
-            (Self::Sun(light), _) => luminance(light.irradiance.into()),
+        match (self, self.bounds(strength)) {
+            (Self::Sun(light), _) => strength(light.irradiance),
             (_, Some(bounds)) => bounds.intensity / falloff(bounds.centre),
             (_, None) => 0.0,
         }
     }
 
-    /// Bounds of a light with a position; `None` for suns and the environment.
-    fn bounds(&self) -> Option<LightBounds> {
+    /// Bounds of a light with a position, and the strength of its colour as its intensity; `None` for suns and the environment.
+    fn bounds(&self, strength: &impl Fn(Vec3) -> f32) -> Option<LightBounds> {
         let everywhere =
             |centre, radius, intensity| LightBounds { centre, radius, normals: NormalCone::ALL, intensity };
         let sheet = |light: &SheetLight, radius| LightBounds {
             centre: light.centre,
             radius,
             normals: NormalCone::of(light.normal),
-            intensity: luminance(light.radiance.into()) * light.area,
+            intensity: strength(light.radiance) * light.area,
         };
         Some(match self {
-            Self::Point(light) => everywhere(light.position, 0.0, luminance(light.radiant_intensity.into())),
+            Self::Point(light) => everywhere(light.position, 0.0, strength(light.radiant_intensity)),
             // It emits into the hemisphere around its axis, as a surface does.
             Self::Spot(SpotLight { point, axis, .. }) => LightBounds {
                 normals: NormalCone::of(*axis),
-                ..everywhere(point.position, 0.0, luminance(point.radiant_intensity.into()))
+                ..everywhere(point.position, 0.0, strength(point.radiant_intensity))
             },
             Self::Sphere(light) | Self::Bounded(light) => {
                 let cross_section = PI * light.radius * light.radius;
-                everywhere(light.centre, light.radius, luminance(light.radiance.into()) * cross_section)
+                everywhere(light.centre, light.radius, strength(light.radiance) * cross_section)
             }
             Self::Rect(light) => sheet(light, light.axes[0].length().hypot(light.axes[1].length())),
             Self::Disc(light) => sheet(light, light.radius),
@@ -257,7 +257,7 @@ impl LightShape {
                 let [a, b, c] = light.axes.map(Vec3::length);
                 let cross_section = 2.0 * (a * b + b * c + c * a);
                 let radius = Vec3::new(a, b, c).length();
-                everywhere(light.centre, radius, luminance(light.radiance.into()) * cross_section)
+                everywhere(light.centre, radius, strength(light.radiance) * cross_section)
             }
             // Half of the surface or less is seen from a point.
             Self::Triangles(light) => LightBounds {
@@ -265,7 +265,7 @@ impl LightShape {
                 ..everywhere(
                     light.bounds.centre,
                     light.bounds.radius,
-                    luminance(light.bounds.radiance.into()) * (0.5 * light.area),
+                    strength(light.bounds.radiance) * (0.5 * light.area),
                 )
             },
             Self::Sun(_) | Self::Environment => return None,
@@ -293,6 +293,36 @@ fn one_minus_cosine(diameter_degrees: f32) -> f32 {
     let half = 0.25 * diameter_degrees.to_radians();
     2.0 * half.sin() * half.sin()
 }
+
+/// Strength of colours, by which lights are chosen.
+///
+/// The noise of a channel by the choice of a light is Σ E²/p, where E is what a light contributes to this channel and p its
+/// probability. Relative to the squares of the channels' sums S, the mean over the channels is least for p in proportion to the
+/// root of Σ (E/S)². Luminance would rarely choose a blue lamp, whose light is half of a purple room.
+struct ColourScale {
+    /// One over the sum of each channel.
+    inverse: Vec3,
+}
+
+impl ColourScale {
+    fn new(lights: &[LightShape], sky_power: f32, extent: &Extent) -> Self {
+        let sum_of = |channel: usize| {
+            let of_channel = |colour: Vec3| colour[channel];
+            lights.iter().map(|light| f64::from(light.irradiance(extent, &of_channel))).sum::<f64>() as f32 + sky_power
+        };
+        let sums = Vec3::new(sum_of(0), sum_of(1), sum_of(2));
+        // A channel with hardly any light counts for less.
+        let least = (MIN_CHANNEL_SHARE * sums.max_element()).max(f32::MIN_POSITIVE);
+        Self { inverse: sums.max(Vec3::splat(least)).recip() }
+    }
+
+    fn strength(&self, colour: Vec3) -> f32 {
+        (colour * self.inverse).length()
+    }
+}
+
+/// Smallest light of a channel in the choice of lights, as a share of that of the strongest one.
+const MIN_CHANNEL_SHARE: f32 = 0.1;
 
 /// Number of lights with a position from which a tree pays: with three, a sample in a closed room has a quarter less
 /// variance but takes a quarter longer.
@@ -334,9 +364,12 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent, by_place: b
             (shape, _) => Some(shape),
         }
     });
+    let shapes: Vec<LightShape> = declared.chain(emitters).collect();
+    let scale = ColourScale::new(&shapes, sky_power, extent);
+    let strength = |colour: Vec3| scale.strength(colour);
     let mut weighted: Vec<(LightShape, f32)> =
-        declared.chain(emitters).map(|shape| (shape, shape.weight(extent))).collect();
-    weighted.push((LightShape::Environment, sky_power));
+        shapes.into_iter().map(|shape| (shape, shape.irradiance(extent, &strength))).collect();
+    weighted.push((LightShape::Environment, strength(Vec3::splat(sky_power))));
     weighted.retain(|(_, weight)| *weight > 0.0);
     // Suns come first: every ray that leaves the scene tests all of them.
     weighted.sort_by_key(|(shape, _)| !shape.is_sun());
@@ -352,11 +385,11 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent, by_place: b
     };
     let mut lights: Vec<Light> = (0..).zip(weighted).map(light).collect();
     let weight_of = |light: &Light| weights[light.declaration as usize];
-    let bounds: Vec<LightBounds> = lights.iter().filter_map(|light| light.shape.bounds()).collect();
+    let bounds: Vec<LightBounds> = lights.iter().filter_map(|light| light.shape.bounds(&strength)).collect();
     let mut tree = None;
     let mut in_tree = Vec::new();
     if by_place && bounds.len() >= MIN_TREE_LIGHTS {
-        let (placed, others): (Vec<Light>, _) = lights.into_iter().partition(|light| light.shape.bounds().is_some());
+        let (placed, others): (Vec<Light>, _) = lights.into_iter().partition(|light| light.shape.extent().is_some());
         let share = placed.iter().map(weight_of).sum::<f64>() / total;
         let (built, order) = LightTree::new(&bounds, others.len(), share as f32);
         in_tree = order.iter().map(|&index| placed[index as usize]).collect();

@@ -53,7 +53,7 @@ pub(super) struct LightBounds {
     pub(super) radius: f32,
     /// Normals of the emitting surfaces.
     pub(super) normals: NormalCone,
-    /// Luminance of the largest radiant intensity, W/sr.
+    /// Strength of the largest radiant intensity.
     pub(super) intensity: f32,
 }
 
