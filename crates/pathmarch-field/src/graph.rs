@@ -54,6 +54,8 @@ pub(crate) enum Tree {
         children: Vec<Tree>,
         /// Index of the first random choice among its blended materials.
         first_choice: u32,
+        /// Index of the shape grid that evaluates it.
+        shape_grid: Option<u32>,
     },
     Modifier(Box<Modified>),
 }
@@ -113,11 +115,9 @@ pub const SPHERE_TRACED: f32 = -1.0;
 pub(crate) enum EvalStrategy {
     /// By itself: rays intersect it analytically.
     Analytic,
-    /// By itself: sphere-traced, printed as code.
+    /// By itself: sphere-traced, printed as code that may read shape grids.
     SphereTraced,
-    /// As the shape grid of this index.
-    ShapeGrid(usize),
-    /// Its single shape is in the grid of separate objects.
+    /// Its single shape is in the grid of separate objects, which is the last one.
     InShapeGrid,
     /// Its shapes are analytic and in the BVH: one, or those of lamps.
     InBvh,

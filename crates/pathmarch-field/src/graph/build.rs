@@ -144,7 +144,7 @@ impl Field {
         match children.len() {
             0 => None,
             1 => children.pop(),
-            _ => Some(Tree::Operator { operator, smooth, children, first_choice }),
+            _ => Some(Tree::Operator { operator, smooth, children, first_choice, shape_grid: None }),
         }
     }
 }

@@ -4,6 +4,7 @@
 //! Derivatives pass through modifiers by the chain rule, with those of [`EvalModifier::point`](crate::EvalModifier::point).
 //! Cost: one transform; one more for each modifier around the leaf, with a search for the nearest of its domain copies.
 
+use super::far_field::FarField;
 use super::{Batch, Field, Modified, Pose, Tree};
 use crate::number::Vec3;
 
@@ -40,7 +41,10 @@ impl Field {
         let mut here = Coordinates::world(p);
         for modified in self.modifiers_around(leaf) {
             here = here.placed(&modified.pose);
-            let copy = if modified.copies > 1 { self.nearest_copy(modified, here.point).1 } else { 0.0 };
+            let copy = match modified.copies {
+                1 => 0.0,
+                _ => self.nearest_copy(modified, here.point, FarField::Estimate).1,
+            };
             let point = f32::modifier(modified.modifier).point_gradient(here.point, copy, &modified.coefficients);
             here = here.inside(point.values(), [point.x.gradient, point.y.gradient, point.z.gradient]);
         }

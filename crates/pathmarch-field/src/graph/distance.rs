@@ -1,7 +1,7 @@
 //! Distances of a field on the CPU: to all objects, to sphere-traced ones, to chosen ones; and analytic hits.
 
 use super::far_field::FarField;
-use super::{Batch, EvalStrategy, Field, Modified, RayKind, SPHERE_TRACED, Tree};
+use super::{Batch, Field, Modified, RayKind, SPHERE_TRACED, Tree};
 use crate::number::Vec3;
 use crate::ray_interval::T_MAX;
 
@@ -19,9 +19,9 @@ impl Field {
     pub fn estimated_distance<N: Batch>(&self, p: Vec3<N>) -> N {
         let mut nearest = N::constant(f32::INFINITY);
         for object in self.single_objects() {
-            nearest = nearest.min(self.tree_distance(object, p));
+            nearest = nearest.min(self.tree_distance(object, p, FarField::Estimate));
         }
-        for shape_grid in &self.shape_grids {
+        if let Some(shape_grid) = self.separate_shape_grid() {
             nearest = nearest.min(shape_grid.distance(self, p, FarField::Estimate));
         }
         self.bvh.distance(self, p, nearest, |_| true, N::constant(SPHERE_TRACED))
@@ -32,9 +32,9 @@ impl Field {
     pub fn sphere_traced_distance<N: Batch>(&self, p: Vec3<N>, kind: RayKind) -> N {
         let mut nearest = N::constant(f32::INFINITY);
         for object in self.objects_sphere_traced_by(kind) {
-            nearest = nearest.min(self.tree_distance(object, p).abs());
+            nearest = nearest.min(self.tree_distance(object, p, FarField::Bound).abs());
         }
-        for shape_grid in &self.shape_grids {
+        if let Some(shape_grid) = self.separate_shape_grid() {
             nearest = nearest.min(shape_grid.distance(self, p, FarField::Bound).abs());
         }
         nearest
@@ -46,7 +46,7 @@ impl Field {
     pub fn distance_to<N: Batch>(&self, p: Vec3<N>, included: &[bool], ignored_leaf: N) -> N {
         let mut nearest = N::constant(f32::INFINITY);
         for (object, _) in self.single_objects_with(included).filter(|(_, included)| *included) {
-            let closer = nearest.min(self.tree_distance(object, p).abs());
+            let closer = nearest.min(self.tree_distance(object, p, FarField::Estimate).abs());
             nearest = match self.direct(object) {
                 Some(leaf) if !self.leaves[leaf as usize].is_triangles() => {
                     let is_ignored = (ignored_leaf - N::constant(leaf as f32)).abs().lt(N::constant(0.5));
@@ -55,7 +55,7 @@ impl Field {
                 _ => closer,
             };
         }
-        for shape_grid in self.included_shape_grids(included) {
+        if let Some(shape_grid) = self.included_shape_grid(included) {
             nearest = nearest.min(self.shape_grids[shape_grid].distance(self, p, FarField::Estimate).abs());
         }
         let is_included = |leaf: u32| included.get(self.leaves[leaf as usize].object as usize) == Some(&true);
@@ -69,20 +69,12 @@ impl Field {
         inside(p.x, 0)
             && inside(p.y, 1)
             && inside(p.z, 2)
-            && match self.strategies[object] {
-                EvalStrategy::ShapeGrid(shape_grid) => {
-                    self.shape_grids[shape_grid].distance(self, p, FarField::Exact) < 0.0
-                }
-                _ => self.tree_distance(&self.objects[object], p) < 0.0,
-            }
+            && self.tree_distance(&self.objects[object], p, FarField::Exact) < 0.0
     }
 
     /// Signed distance from each point to each object, in their order, metres.
     pub fn object_distances<N: Batch>(&self, p: Vec3<N>) -> impl Iterator<Item = N> {
-        self.objects.iter().zip(&self.strategies).map(move |(object, strategy)| match strategy {
-            EvalStrategy::ShapeGrid(shape_grid) => self.shape_grids[*shape_grid].distance(self, p, FarField::Exact),
-            _ => self.tree_distance(object, p),
-        })
+        self.objects.iter().map(move |object| self.tree_distance(object, p, FarField::Exact))
     }
 
     /// First analytic hit of each ray: metres along the unit vector `direction`, or [`T_MAX`]; and the index of the leaf, or
@@ -95,18 +87,22 @@ impl Field {
         self.bvh.hit(self, origin, direction, hit)
     }
 
-    pub(super) fn tree_distance<N: Batch>(&self, tree: &Tree, p: Vec3<N>) -> N {
+    pub(super) fn tree_distance<N: Batch>(&self, tree: &Tree, p: Vec3<N>, far_field: FarField) -> N {
         match tree {
             Tree::Leaf(leaf) => self.leaves[*leaf as usize].distance(p),
             Tree::Modifier(modified) => {
                 let p = modified.pose.local(p);
-                let (inside, _) = self.nearest_copy(modified, p);
+                let (inside, _) = self.nearest_copy(modified, p, far_field);
                 modified.pose.length(N::modifier(modified.modifier).distance(p, inside, &modified.coefficients))
             }
+            Tree::Operator { shape_grid: Some(index), .. } => {
+                self.shape_grids[*index as usize].distance(self, p, far_field)
+            }
             Tree::Operator { operator, smooth, children, .. } => {
-                let mut result = self.tree_distance(&children[0], p);
+                let mut result = self.tree_distance(&children[0], p, far_field);
                 for child in &children[1..] {
-                    result = N::operator(*operator).distance(result, self.tree_distance(child, p), *smooth);
+                    let other = self.tree_distance(child, p, far_field);
+                    result = N::operator(*operator).distance(result, other, *smooth);
                 }
                 result
             }
@@ -114,12 +110,12 @@ impl Field {
     }
 
     /// Least distance of a modifier's child over its domain copies at `p`, and the index of that copy.
-    pub(super) fn nearest_copy<N: Batch>(&self, modified: &Modified, p: Vec3<N>) -> (N, N) {
+    pub(super) fn nearest_copy<N: Batch>(&self, modified: &Modified, p: Vec3<N>, far_field: FarField) -> (N, N) {
         let mut nearest = (N::constant(f32::INFINITY), N::zero());
         for copy in 0..modified.copies {
             let copy = N::constant(copy as f32);
             let point = N::modifier(modified.modifier).point(p, copy, &modified.coefficients);
-            let distance = self.tree_distance(&modified.inside, point);
+            let distance = self.tree_distance(&modified.inside, point, far_field);
             nearest.1 = N::select(distance.lt(nearest.0), copy, nearest.1);
             nearest.0 = nearest.0.min(distance);
         }

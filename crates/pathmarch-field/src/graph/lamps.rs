@@ -31,7 +31,8 @@ impl Field {
             let Some(shapes) = self.lamp_shapes(&self.objects[index], &Pose::WORLD, is_lamp, most) else { continue };
             let leaves = self.place(&shapes);
             let children = leaves.iter().map(|&leaf| Tree::Leaf(leaf)).collect();
-            self.objects[index] = Tree::Operator { operator: union(), smooth: None, children, first_choice: 0 };
+            self.objects[index] =
+                Tree::Operator { operator: union(), smooth: None, children, first_choice: 0, shape_grid: None };
             self.strategies[index] = EvalStrategy::InBvh;
             lamps.extend(leaves);
         }

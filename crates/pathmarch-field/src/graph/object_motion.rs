@@ -141,7 +141,7 @@ impl Field {
                 let children: Vec<Tree> = children.iter().map(|child| self.copied(other, child, object)).collect();
                 let first_choice = self.choices;
                 self.choices += children.len() as u32;
-                Tree::Operator { operator: *operator, smooth: *smooth, children, first_choice }
+                Tree::Operator { operator: *operator, smooth: *smooth, children, first_choice, shape_grid: None }
             }
             Tree::Modifier(modified) => {
                 let inside = self.copied(other, &modified.inside, object);

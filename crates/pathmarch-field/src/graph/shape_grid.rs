@@ -3,20 +3,28 @@
 //! Idea: of thousands of shapes only a few affect the distance near a point. A sparse grid lists for each cell those shapes,
 //! in the order of the fold; cells far from every surface have one bound of the distance instead (Barbier et al. 2025,
 //! "Lipschitz Pruning: Hierarchical Simplification of Primitive-Based SDFs"). `sparse_grid.rs` has the pruning rule and the
-//! construction.
+//! construction, `gather.rs` finds the unions.
 //!
 //! Where we differ: a shape grid is one fold over a list, not a tree of operators, so that pruning is exact: near a surface
 //! the value is that of the whole fold, up to rounding. Grids are sparse and stop at short lists. A cell without a list has
 //! the surface point nearest to its centre. Rays end on it in coarse views, and shading estimates distances with it.
 //!
-//! Two kinds of shapes are in grids: those of an object that is one union, sharp or smooth, of at least [`MIN_SHAPES`]
-//! bounded shapes without fractals; and all sphere-traced objects of one such shape each, if there are as many. Cost: a
-//! descent of at most five cells and the fold of a short list. Rays build the parts of the grid that they pass. Memory is
-//! bounded: [`SparseGrid::bytes`].
+//! Two kinds of shapes are in grids: those of a union, sharp or smooth, of at least [`MIN_SHAPES`] bounded shapes without
+//! fractals; and all sphere-traced objects of one such shape each, if there are as many. Other children of such a union, e.g.
+//! a fractal, a plane or a difference, are code ([`Member::Code`]). Lists have them as well, in their places in the fold, so
+//! that they are evaluated only where they matter. They may be unbounded; outside of the grid they are always evaluated.
+//!
+//! A union may be anywhere in the tree of an object. What is above it must not turn a bound into a surface: within
+//! [`margin`](ShapeGrid::margin) of its surface a grid is exact, and farther away it is no nearer than that.
+//!
+//! Cost: a descent of at most five cells and the fold of a short list. Rays build the parts of the grid that they pass. Memory
+//! is bounded: [`SparseGrid::bytes`].
 
+mod code_values;
+mod gather;
 mod sparse_grid;
 
-use super::bvh::{self, Bvh};
+use super::bvh::Bvh;
 use super::far_field::FarField;
 use super::{Batch, EvalStrategy, Field, RayKind, Surface, Tree};
 use crate::blend::{Blend, BlendProfile};
@@ -24,26 +32,39 @@ use crate::bounds::Aabb;
 use crate::number::{Dual, Real, Vec3};
 use crate::operators::Operator;
 use crate::registry::union;
+use code_values::CodeValues;
 use sparse_grid::FoundCell;
 pub(crate) use sparse_grid::{AllCells, BITS, Cell, SPLITS, SparseGrid};
-use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
 /// Least number of shapes of a shape grid.
 pub(crate) const MIN_SHAPES: usize = 24;
 
+/// Member of the union of a shape grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Member {
+    /// Shape that is data: this leaf of the field.
+    Shape(u32),
+    /// Any other tree, as code: an index into [`ShapeGrid::code`].
+    Code(u32),
+}
+
 /// Union of many shapes, evaluated by a sparse grid.
 #[derive(Clone, Debug)]
 pub(crate) struct ShapeGrid {
-    /// Leaves of the field, in the order of the fold.
-    pub(crate) leaves: Vec<u32>,
+    /// Members, in the order of the fold.
+    pub(crate) members: Vec<Member>,
+    /// Index of the random choice between each member and those before it, among blended materials.
+    pub(crate) choices: Vec<u32>,
+    /// Members that are code.
+    pub(crate) code: Vec<Tree>,
     /// Blend of the union; sharp if absent.
     pub(crate) smooth: Option<Blend>,
     /// True if each shape is an object of its own, whose distance is unsigned.
     pub(crate) separate: bool,
-    /// Index of the first random choice among blended materials.
-    pub(crate) first_choice: u32,
-    /// Bounds of all shapes.
+    /// Distance from its surface within which it is exact, metres, whatever the size of the cells. Bounds are no nearer.
+    pub(crate) margin: f32,
+    /// Bounds of all shapes that are data, with the offset of the blend.
     pub(crate) bounds: Aabb,
     grid: Arc<OnceLock<SparseGrid>>,
     /// Grid before the last edits.
@@ -73,23 +94,36 @@ pub(crate) fn growth(smooth: Option<Blend>, shapes: usize) -> f32 {
 }
 
 impl ShapeGrid {
-    pub(super) fn new(
-        leaves: Vec<u32>,
-        smooth: Option<Blend>,
-        separate: bool,
-        first_choice: u32,
-        bounds: Aabb,
-    ) -> Self {
-        Self { leaves, smooth, separate, first_choice, bounds, grid: Arc::default(), previous: None }
+    /// Leaves that are data, in the order of the fold.
+    pub(crate) fn leaves(&self) -> impl Iterator<Item = u32> {
+        self.members.iter().filter_map(|member| match member {
+            Member::Shape(leaf) => Some(*leaf),
+            Member::Code(_) => None,
+        })
+    }
+
+    /// Distance by which the surface of the shapes must be behind that of the code for the union to be the latter's, metres.
+    ///
+    /// A blend of width w changes nothing that is nearer by w, and each further blend needs another width; but once less than
+    /// rounding is left of the shapes, more blends need no more.
+    pub(crate) fn code_width(&self, cutoff: f32) -> f32 {
+        let width = self.smooth.map_or(0.0, |blend| blend.amount);
+        (width * self.code.len() as f32).min(cutoff + width)
     }
 
     /// Lets the grid share what is unchanged with that of an earlier version of the field.
     fn follow(&mut self, field: &Field, old: &Self, old_field: &Field) {
-        if (&self.leaves, self.smooth, self.separate) != (&old.leaves, old.smooth, old.separate) {
+        let key = |grid: &Self| (grid.smooth, grid.separate, grid.margin, grid.code.len());
+        if self.members != old.members || key(self) != key(old) {
             return;
         }
-        let differs = |&leaf: &u32| !field.leaves[leaf as usize].is_same_shape(&old_field.leaves[leaf as usize]);
-        let mut changed: Vec<bool> = self.leaves.iter().map(differs).collect();
+        let differs = |member: &Member| match *member {
+            Member::Shape(leaf) => !field.leaves[leaf as usize].is_same_shape(&old_field.leaves[leaf as usize]),
+            Member::Code(index) => {
+                !field.is_same_tree(&self.code[index as usize], old_field, &old.code[index as usize])
+            }
+        };
+        let mut changed: Vec<bool> = self.members.iter().map(differs).collect();
         let mut grid = old.grid.clone();
         if let Some(earlier) = old.previous.as_ref().filter(|_| grid.get().is_none()) {
             changed.iter_mut().zip(&earlier.changed).for_each(|(changed, earlier)| *changed |= earlier);
@@ -113,10 +147,19 @@ impl ShapeGrid {
         self.grid.get()
     }
 
-    /// Distance of the union of the listed shapes.
-    fn fold<N: Batch>(&self, field: &Field, list: impl IntoIterator<Item = u32>, p: Vec3<N>) -> N {
+    /// Distance of the union of the listed members.
+    fn fold<N: Batch>(
+        &self,
+        field: &Field,
+        list: impl IntoIterator<Item = u32>,
+        p: Vec3<N>,
+        code: &CodeValues<N, impl Fn(u32) -> N>,
+    ) -> N {
         let mut distances = list.into_iter().map(|number| {
-            let distance: N = field.leaves[self.leaves[number as usize] as usize].distance(p);
+            let distance: N = match self.members[number as usize] {
+                Member::Shape(leaf) => field.leaves[leaf as usize].distance(p),
+                Member::Code(index) => code.get(index),
+            };
             if self.separate { distance.abs() } else { distance }
         });
         let Some(first) = distances.next() else { return N::constant(f32::INFINITY) };
@@ -124,19 +167,24 @@ impl ShapeGrid {
         distances.fold(first, |result, distance| N::operator(operator).distance(result, distance, self.smooth))
     }
 
-    /// Surface of the union of the listed shapes; thresholds are as in [`Field::surface_at_hit`].
+    /// Surface of the union of the listed members; thresholds are as in [`Field::surface_at_hit`].
     fn fold_surface<N: Batch>(
         &self,
         field: &Field,
         list: impl IntoIterator<Item = u32>,
         p: Vec3<N>,
         threshold: &dyn Fn(u32) -> N,
+        code: &CodeValues<Surface<N>, impl Fn(u32) -> Surface<N>>,
     ) -> Surface<N> {
         let operator = union();
         let mut result = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
         for (position, number) in list.into_iter().enumerate() {
-            let leaf = self.leaves[number as usize];
-            let other = Surface { field: field.leaves[leaf as usize].surface(p), leaf: N::constant(leaf as f32) };
+            let other = match self.members[number as usize] {
+                Member::Shape(leaf) => {
+                    Surface { field: field.leaves[leaf as usize].surface(p), leaf: N::constant(leaf as f32) }
+                }
+                Member::Code(index) => code.get(index),
+            };
             if position == 0 {
                 result = other;
                 continue;
@@ -147,7 +195,7 @@ impl ShapeGrid {
                 (Dual::select(closer, b, a), closer)
             } else {
                 let least = match self.smooth {
-                    Some(_) => threshold(self.first_choice + number - 1),
+                    Some(_) => threshold(self.choices[number as usize]),
                     None => N::constant(0.5),
                 };
                 let shows = least.lt(N::operator(operator).weight(a.value, b.value, self.smooth));
@@ -158,25 +206,34 @@ impl ShapeGrid {
         result
     }
 
-    fn all_shapes(&self) -> std::ops::Range<u32> {
-        0..self.leaves.len() as u32
+    /// Positions of all members in the fold.
+    fn all_members(&self) -> std::ops::Range<u32> {
+        0..self.members.len() as u32
+    }
+
+    /// Positions of those that are code.
+    fn all_code(&self) -> impl Iterator<Item = u32> {
+        self.all_members().filter(|&number| matches!(self.members[number as usize], Member::Code(_)))
     }
 
     /// Distance from each point, metres; unsigned if the shapes are [separate](Self::separate).
     pub(super) fn distance<N: Batch>(&self, field: &Field, p: Vec3<N>, far_field: FarField) -> N {
         let grid = self.grid(field);
+        let code = CodeValues::new(|index| field.tree_distance(&self.code[index as usize], p, far_field));
         let [x, y, z] = [p.x, p.y, p.z].map(N::lanes);
         let mut values = [0.0; 8];
         // List of each lane in a near cell.
         let mut lists: [Option<&[u32]>; 8] = [None; 8];
+        let mut is_outside = [0.0; 8];
         let mut is_exact = true;
         for lane in 0..N::LANES {
             let point = [x[lane], y[lane], z[lane]];
             let found = grid.find(field, self, point);
+            is_outside[lane] = f32::from(!found.inside);
             match (found.cell, far_field) {
                 (FoundCell::Near(list), _) if found.inside => lists[lane] = Some(list),
                 (_, FarField::Exact) => is_exact = false,
-                (_, FarField::Bound) if !found.inside => values[lane] = self.bounds.distance(point),
+                (_, FarField::Bound) if !found.inside => values[lane] = self.bounds.distance(point) - grid.code_width,
                 (FoundCell::Near(list), _) => lists[lane] = Some(list),
                 (FoundCell::Far { surface, distance, .. }, FarField::Estimate) => {
                     values[lane] = length(point, surface).copysign(distance);
@@ -188,11 +245,17 @@ impl ShapeGrid {
             }
         }
         if !is_exact {
-            return self.fold(field, self.all_shapes(), p);
+            return self.fold(field, self.all_members(), p, &code);
         }
         let far_field = N::from_lanes(values);
         let far_field = if self.separate { far_field.abs() } else { far_field };
-        self.by_list::<N, N>(far_field, &lists, |list| self.fold(field, list.iter().copied(), p), N::select)
+        let listed = |list: &[u32]| self.fold(field, list.iter().copied(), p, &code);
+        let result = self.by_list::<N, N>(far_field, &lists, listed, N::select);
+        if self.code.is_empty() || !is_outside.contains(&1.0) {
+            return result;
+        }
+        let beyond = result.min(self.fold(field, self.all_code(), p, &code));
+        N::select(N::constant(0.5).lt(N::from_lanes(is_outside)), beyond, result)
     }
 
     /// Surface of the union at each point; far from it a plane replaces it, unless `far_field` is exact.
@@ -204,14 +267,17 @@ impl ShapeGrid {
         far_field: FarField,
     ) -> Surface<N> {
         let grid = self.grid(field);
+        let code = CodeValues::new(|index| field.tree_surface(&self.code[index as usize], p, threshold, far_field));
         let [x, y, z] = [p.x, p.y, p.z].map(N::lanes);
         // Distance, gradient and leaf of each lane.
         let mut values = [[0.0; 8]; 5];
         let mut lists: [Option<&[u32]>; 8] = [None; 8];
+        let mut is_outside = [0.0; 8];
         let mut is_exact = true;
         for lane in 0..N::LANES {
             let point = [x[lane], y[lane], z[lane]];
             let found = grid.find(field, self, point);
+            is_outside[lane] = f32::from(!found.inside);
             match found.cell {
                 FoundCell::Near(list) if found.inside || far_field != FarField::Exact => lists[lane] = Some(list),
                 FoundCell::Far { surface, distance, leaf } if far_field != FarField::Exact => {
@@ -226,15 +292,22 @@ impl ShapeGrid {
             }
         }
         if !is_exact {
-            return self.fold_surface(field, self.all_shapes(), p, threshold);
+            return self.fold_surface(field, self.all_members(), p, threshold, &code);
         }
         let [value, gx, gy, gz, leaf] = values.map(N::from_lanes);
         let far_field = Surface { field: Dual { value, gradient: Vec3::new(gx, gy, gz) }, leaf };
-        let fold = |list: &[u32]| self.fold_surface(field, list.iter().copied(), p, threshold);
-        self.by_list::<N, Surface<N>>(far_field, &lists, fold, |mask, yes, no| Surface {
+        let select = |mask, yes: Surface<N>, no: Surface<N>| Surface {
             field: Dual::select(mask, yes.field, no.field),
             leaf: N::select(mask, yes.leaf, no.leaf),
-        })
+        };
+        let listed = |list: &[u32]| self.fold_surface(field, list.iter().copied(), p, threshold, &code);
+        let result = self.by_list::<N, Surface<N>>(far_field, &lists, listed, select);
+        if self.code.is_empty() || !is_outside.contains(&1.0) {
+            return result;
+        }
+        let beyond = self.fold_surface(field, self.all_code(), p, threshold, &code);
+        let is_nearer = beyond.field.value.lt(result.field.value);
+        select(N::constant(0.5).lt(N::from_lanes(is_outside)) & is_nearer, beyond, result)
     }
 
     /// Evaluates each distinct list once for all lanes and selects the results by lane.
@@ -278,76 +351,6 @@ pub(super) fn is_union(operator: &dyn Operator) -> bool {
 }
 
 impl Field {
-    /// Moves unions and separate objects of at least this many shapes to shape grids, and many analytic objects to the BVH.
-    pub(super) fn gather_shape_grids(&mut self, least: usize) {
-        let least = least.max(2);
-        let mut strategies = std::mem::take(&mut self.strategies);
-        // Fractals stay code, because their orbit traps are code. Meshes have data of their own.
-        let finite_bounds = |leaf: u32| {
-            let bounds = Some(self.leaf_bounds(leaf as usize)).filter(|b| b.is_finite() && !b.is_empty());
-            let shape = &self.leaves[leaf as usize].shape;
-            bounds.filter(|_| !shape.has_orbit() && shape.mesh().is_none())
-        };
-        let mut shape_grids = Vec::new();
-        let (mut separate, mut analytic) = (Vec::new(), Vec::new());
-        for (index, object) in self.objects.iter().enumerate() {
-            match object {
-                Tree::Leaf(_) if strategies[index] == EvalStrategy::LitByField => {}
-                Tree::Leaf(leaf) if self.direct(object).is_none() && finite_bounds(*leaf).is_some() => {
-                    separate.push((index, *leaf))
-                }
-                Tree::Leaf(leaf) if self.direct(object).is_some() && finite_bounds(*leaf).is_some() => {
-                    analytic.push((index, *leaf));
-                }
-                Tree::Operator { operator, smooth, children, first_choice }
-                    if strategies[index] == EvalStrategy::SphereTraced
-                        && children.len() >= least
-                        && is_union(*operator) =>
-                {
-                    let leaves: Option<Vec<u32>> = children
-                        .iter()
-                        .map(|child| match child {
-                            Tree::Leaf(leaf) => finite_bounds(*leaf).map(|_| *leaf),
-                            _ => None,
-                        })
-                        .collect();
-                    if let Some(leaves) = leaves {
-                        strategies[index] = EvalStrategy::ShapeGrid(shape_grids.len());
-                        shape_grids.push(ShapeGrid::new(
-                            leaves,
-                            *smooth,
-                            false,
-                            *first_choice,
-                            self.object_bounds[index],
-                        ));
-                    }
-                }
-                _ => {}
-            }
-        }
-        if separate.len() >= least {
-            let bounds = separate.iter().map(|&(index, _)| self.object_bounds[index]).fold(Aabb::NOTHING, Aabb::union);
-            for &(index, _) in &separate {
-                strategies[index] = EvalStrategy::InShapeGrid;
-            }
-            shape_grids.push(ShapeGrid::new(
-                separate.into_iter().map(|(_, leaf)| leaf).collect(),
-                None,
-                true,
-                0,
-                bounds,
-            ));
-        }
-        if analytic.len() >= least.max(bvh::MIN_OBJECTS) {
-            for &(index, _) in &analytic {
-                strategies[index] = EvalStrategy::InBvh;
-            }
-            self.bvh = Bvh::new(analytic.into_iter().map(|(index, leaf)| (leaf, self.object_bounds[index])).collect());
-        }
-        self.singles = (0..).zip(&strategies).filter(|(_, strategy)| is_single(**strategy)).map(|(k, _)| k).collect();
-        (self.strategies, self.shape_grids) = (strategies, shape_grids);
-    }
-
     /// Shares what an earlier version of the field has built and the changes since leave valid. The field's values do not
     /// change. Cost: a comparison of the shapes.
     pub fn follow(&mut self, old: &Self) {
@@ -394,17 +397,15 @@ impl Field {
         self.singles.iter().map(|&index| (&self.objects[index as usize], included[index as usize]))
     }
 
-    /// Indices of the shape grids with an included object.
-    pub(crate) fn included_shape_grids(&self, included: &[bool]) -> Vec<usize> {
-        let last = self.shape_grids.len().wrapping_sub(1);
-        let number = |(strategy, included): (&EvalStrategy, &bool)| match strategy {
-            _ if !included => None,
-            EvalStrategy::ShapeGrid(shape_grid) => Some(*shape_grid),
-            EvalStrategy::InShapeGrid => Some(last),
-            _ => None,
-        };
-        let numbers: BTreeSet<usize> = self.strategies.iter().zip(included).filter_map(number).collect();
-        numbers.into_iter().collect()
+    /// Index of the grid of separate objects, if one of them is included.
+    pub(crate) fn included_shape_grid(&self, included: &[bool]) -> Option<usize> {
+        let mut included = self.strategies.iter().zip(included).filter(|(_, included)| **included);
+        included.any(|(strategy, _)| *strategy == EvalStrategy::InShapeGrid).then(|| self.shape_grids.len() - 1)
+    }
+
+    /// Grid of separate objects.
+    pub(crate) fn separate_shape_grid(&self) -> Option<&ShapeGrid> {
+        self.shape_grids.last().filter(|shape_grid| shape_grid.separate)
     }
 
     /// Hierarchy over many analytic objects.
@@ -412,7 +413,7 @@ impl Field {
         &self.bvh
     }
 
-    /// Shape grids of the field.
+    /// Shape grids of the field. That of separate objects is the last one.
     pub(crate) fn shape_grids(&self) -> &[ShapeGrid] {
         &self.shape_grids
     }
@@ -428,7 +429,7 @@ impl Field {
     pub fn shapes_as_code(&self) -> usize {
         self.leaves.len()
             - self.bvh.leaves().count()
-            - self.shape_grids.iter().map(|shape_grid| shape_grid.leaves.len()).sum::<usize>()
+            - self.shape_grids.iter().map(|shape_grid| shape_grid.leaves().count()).sum::<usize>()
     }
 
     /// Memory of the shape grids that have been built, bytes.

@@ -24,13 +24,8 @@ impl Field {
     /// [`distance`](Self::distance). Thresholds are as in [`surface_at_hit`](Self::surface_at_hit).
     pub fn union_surface<N: Batch>(&self, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
         let mut least = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
-        for (object, strategy) in self.objects.iter().zip(&self.strategies) {
-            let surface = match strategy {
-                EvalStrategy::ShapeGrid(shape_grid) => {
-                    self.shape_grids[*shape_grid].surface(self, p, threshold, FarField::Exact)
-                }
-                _ => self.tree_surface(object, p, threshold),
-            };
+        for object in &self.objects {
+            let surface = self.tree_surface(object, p, threshold, FarField::Exact);
             let is_less = surface.field.value.lt(least.field.value);
             least = Surface {
                 field: Dual::select(is_less, surface.field, least.field),
@@ -83,20 +78,26 @@ impl Field {
         if N::any(is_included(true)) {
             for (object, strategy) in self.objects.iter().zip(&self.strategies) {
                 if matches!(strategy, EvalStrategy::Analytic | EvalStrategy::InBvh | EvalStrategy::Triangles) {
-                    add(self.tree_surface(object, p, threshold), is_included(true));
+                    add(self.tree_surface(object, p, threshold, far_field), is_included(true));
                 }
             }
         }
         for object in self.objects_sphere_traced_by(RayKind::Secondary) {
-            add(self.tree_surface(object, p, threshold), is_included(false));
+            add(self.tree_surface(object, p, threshold, far_field), is_included(false));
         }
-        for shape_grid in &self.shape_grids {
+        if let Some(shape_grid) = self.separate_shape_grid() {
             add(shape_grid.surface(self, p, threshold, far_field), is_included(false));
         }
         nearest
     }
 
-    pub(super) fn tree_surface<N: Batch>(&self, tree: &Tree, p: Vec3<N>, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
+    pub(super) fn tree_surface<N: Batch>(
+        &self,
+        tree: &Tree,
+        p: Vec3<N>,
+        threshold: &dyn Fn(u32) -> N,
+        far_field: FarField,
+    ) -> Surface<N> {
         match tree {
             Tree::Leaf(index) => {
                 let field = self.leaves[*index as usize].surface(p);
@@ -105,16 +106,19 @@ impl Field {
             Tree::Modifier(modified) => {
                 let Modified { modifier, coefficients, pose, inside, .. } = &**modified;
                 let p = pose.local(p);
-                let copy = if modified.copies > 1 { self.nearest_copy(modified, p).1 } else { N::zero() };
+                let copy = if modified.copies > 1 { self.nearest_copy(modified, p, far_field).1 } else { N::zero() };
                 let point = N::modifier(*modifier).point_gradient(p, copy, coefficients);
-                let Surface { field, leaf } = self.tree_surface(inside, point.values(), threshold);
+                let Surface { field, leaf } = self.tree_surface(inside, point.values(), threshold, far_field);
                 let inside = Dual { value: field.value, gradient: point.pulled_back(field.gradient) };
                 Surface { field: pose.world(N::modifier(*modifier).gradient(p, inside, coefficients)), leaf }
             }
-            Tree::Operator { operator, smooth, children, first_choice } => {
-                let mut result = self.tree_surface(&children[0], p, threshold);
+            Tree::Operator { shape_grid: Some(index), .. } => {
+                self.shape_grids[*index as usize].surface(self, p, threshold, far_field)
+            }
+            Tree::Operator { operator, smooth, children, first_choice, .. } => {
+                let mut result = self.tree_surface(&children[0], p, threshold, far_field);
                 for (k, child) in children[1..].iter().enumerate() {
-                    let other = self.tree_surface(child, p, threshold);
+                    let other = self.tree_surface(child, p, threshold, far_field);
                     let weight = N::operator(*operator).weight(result.field.value, other.field.value, *smooth);
                     let least = match smooth {
                         Some(_) => threshold(first_choice + k as u32),

@@ -45,6 +45,10 @@ impl ModifierDef for Op {
         let cut = (turn - N::constant(FRAC_PI_2)) * radius;
         (inside.max(cut) * squeeze).max(box_distance(p, [a, b, c, d, e, f]))
     }
+    fn inner_margin(_params: &[f32], _inside: Aabb, margin: f32) -> Option<f32> {
+        // Distances shrink without limit towards the axis.
+        (margin == 0.0).then_some(0.0)
+    }
     fn bounds(params: &[f32], inside: Aabb) -> Aabb {
         let radius = 1.0 / (TAU * params[0]);
         let turns = |x: f32| (x / radius).clamp(-FRAC_PI_2, FRAC_PI_2);

@@ -50,6 +50,11 @@ pub trait ModifierDef: Send + Sync + 'static {
     fn distance<N: Real>(_p: Vec3<N>, inside: N, _numbers: Self::Coefficients<N>) -> N {
         inside
     }
+    /// Distance from its surface within which the child must be exact, metres, if the result has to be exact within `margin` of
+    /// its own. Elsewhere both may be nearer to zero. `None` if there is no such distance.
+    fn inner_margin(_params: &[f32], _inside: Aabb, margin: f32) -> Option<f32> {
+        Some(margin)
+    }
     /// Bounding box of the result.
     fn bounds(params: &[f32], inside: Aabb) -> Aabb;
 }

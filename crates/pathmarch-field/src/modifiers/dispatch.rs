@@ -42,6 +42,9 @@ pub trait Modifier: EvalModifier<f32x8> + EvalModifier<f32> + Send + Sync {
     fn copies(&self, params: &[f32], inside: Aabb) -> u32;
     /// Rigid motions of all copies of its child, if it does nothing but copy it, and there are at most `most`.
     fn motions(&self, params: &[f32], inside: Aabb, most: usize) -> Option<Vec<Motion>>;
+    /// Distance from its surface within which the child must be exact, metres; see
+    /// [`ModifierDef::inner_margin`](super::ModifierDef::inner_margin).
+    fn inner_margin(&self, params: &[f32], inside: Aabb, margin: f32) -> Option<f32>;
     /// Bounding box of the result.
     fn bounds(&self, params: &[f32], inside: Aabb) -> Aabb;
     /// WGSL functions `NAME_point`, `NAME_pull` (pulls a gradient back through it), `NAME_distance` and `NAME_gradient`.

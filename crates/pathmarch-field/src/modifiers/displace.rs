@@ -30,6 +30,9 @@ impl ModifierDef for Op {
         let wave = (p.x * rate).sin() * (p.y * rate).sin() * (p.z * rate).sin();
         ((inside + amplitude * wave) * squeeze).max(box_distance(p, [a, b, c, d, e, f]))
     }
+    fn inner_margin(params: &[f32], _inside: Aabb, margin: f32) -> Option<f32> {
+        Some(margin * (1.0 + params[0] * TAU * params[1]) + params[0])
+    }
     fn bounds(params: &[f32], inside: Aabb) -> Aabb {
         inside.expanded(params[0])
     }

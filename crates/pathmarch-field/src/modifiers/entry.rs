@@ -93,6 +93,9 @@ impl<T: ModifierDef> Modifier for Entry<T> {
     fn motions(&self, params: &[f32], inside: Aabb, most: usize) -> Option<Vec<Motion>> {
         T::motions(params, inside, most)
     }
+    fn inner_margin(&self, params: &[f32], inside: Aabb, margin: f32) -> Option<f32> {
+        T::inner_margin(params, inside, margin)
+    }
     fn bounds(&self, params: &[f32], inside: Aabb) -> Aabb {
         T::bounds(params, inside)
     }

@@ -21,6 +21,9 @@ impl ModifierDef for Op {
     fn distance<N: Real>(_p: Vec3<N>, inside: N, [radius]: [N; 1]) -> N {
         inside - radius
     }
+    fn inner_margin(params: &[f32], _inside: Aabb, margin: f32) -> Option<f32> {
+        Some(margin + params[0])
+    }
     fn bounds(params: &[f32], inside: Aabb) -> Aabb {
         inside.expanded(params[0])
     }

@@ -20,6 +20,9 @@ impl ModifierDef for Op {
     fn distance<N: Real>(_p: Vec3<N>, inside: N, [thickness]: [N; 1]) -> N {
         inside.abs() - thickness * N::constant(0.5)
     }
+    fn inner_margin(params: &[f32], _inside: Aabb, margin: f32) -> Option<f32> {
+        Some(margin + 0.5 * params[0])
+    }
     fn bounds(params: &[f32], inside: Aabb) -> Aabb {
         inside.expanded(0.5 * params[0])
     }

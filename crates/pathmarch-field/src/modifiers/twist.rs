@@ -39,6 +39,10 @@ impl ModifierDef for Op {
     fn distance<N: Real>(p: Vec3<N>, inside: N, [_, _, squeeze, a, b, c, d, e, f]: [N; 9]) -> N {
         (inside * squeeze).max(box_distance(p, [a, b, c, d, e, f]))
     }
+    fn inner_margin(params: &[f32], inside: Aabb, margin: f32) -> Option<f32> {
+        let [_, _, squeeze, ..] = Self::coefficients(params, inside);
+        Some(margin / squeeze)
+    }
     fn bounds(params: &[f32], inside: Aabb) -> Aabb {
         if params[0] == 0.0 {
             return inside;

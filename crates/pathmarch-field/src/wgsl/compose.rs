@@ -14,6 +14,7 @@ mod shape_grid;
 mod surface;
 
 use crate::blend::{Blend, BlendProfile};
+use crate::graph::shape_grid::ShapeGrid;
 use crate::graph::{Field, Tree};
 use crate::mesh_shape::words::MeshWords;
 use std::collections::BTreeSet;
@@ -178,14 +179,14 @@ impl Program {
         for (bit, (name, included)) in named.iter().enumerate() {
             let objects: Vec<&Tree> =
                 field.single_objects_with(included).filter(|(_, included)| *included).map(|(tree, _)| tree).collect();
-            let shape_grids = field.included_shape_grids(included);
+            let shape_grid = field.included_shape_grid(included);
             objects.iter().for_each(|tree| composer.distances(tree, &mut of_distances));
             let doc = "Unsigned distance from `p` to the nearest surface of the included objects, metres.";
             text += &composer.unsigned_distance(
                 &format!("{name}(p: vec3f, ignored_leaf: u32)"),
                 doc,
                 &objects,
-                &shape_grids,
+                shape_grid,
                 Some(bit),
             );
         }
@@ -218,7 +219,7 @@ impl<'a> Composed<'a> {
         let mut functions = BTreeSet::new();
         let mut printed = BTreeSet::new();
         let mut is_record = vec![false; field.leaves().len()];
-        let records = field.shape_grids().iter().flat_map(|shape_grid| shape_grid.leaves.iter().copied());
+        let records = field.shape_grids().iter().flat_map(ShapeGrid::leaves);
         records.chain(field.bvh().leaves()).for_each(|leaf| is_record[leaf as usize] = true);
         for (leaf, is_record) in field.leaves().iter().zip(is_record) {
             composer.starts.push(composer.parameters.len());
@@ -289,7 +290,13 @@ impl Composer<'_> {
                 functions.insert((1, modified.modifier.wgsl()));
                 return chooses;
             }
-            Tree::Operator { operator, smooth, children, first_choice } => (operator, smooth, children, first_choice),
+            Tree::Operator { shape_grid: Some(index), .. } => {
+                let code = &self.field.shape_grids()[*index as usize].code;
+                return code.iter().fold(false, |blends, tree| self.operators(tree, functions) | blends);
+            }
+            Tree::Operator { operator, smooth, children, first_choice, .. } => {
+                (operator, smooth, children, first_choice)
+            }
         };
         functions.insert((1, operator.wgsl_gradient(profile(*smooth))));
         functions.insert((1, operator.wgsl_weight(profile(*smooth))));
@@ -305,6 +312,10 @@ impl Composer<'_> {
         match tree {
             Tree::Leaf(leaf) => {
                 functions.insert((0, self.field.leaves()[*leaf as usize].shape.wgsl_distance()));
+            }
+            Tree::Operator { shape_grid: Some(index), .. } => {
+                let code = &self.field.shape_grids()[*index as usize].code;
+                code.iter().for_each(|tree| self.distances(tree, functions));
             }
             Tree::Operator { operator, smooth, children, .. } => {
                 functions.insert((1, operator.wgsl_distance(profile(*smooth))));

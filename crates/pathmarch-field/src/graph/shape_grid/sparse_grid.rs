@@ -24,9 +24,11 @@
 //!
 //! Cost: a few evaluations of the listed shapes for each cell, eight cells at a time.
 
-use super::{Previous, ShapeGrid};
+use super::code_values::CodeValues;
+use super::{Member, Previous, ShapeGrid};
 use crate::blend::{Blend, BlendProfile};
 use crate::graph::Field;
+use crate::graph::far_field::FarField;
 use crate::number::{Mask8, Real, Vec3};
 use crate::registry::union;
 use rayon::prelude::*;
@@ -54,6 +56,8 @@ const MAX_CELLS: [usize; 2] = [1 << 20, 640];
 const MAX_ENTRIES: [usize; 2] = [1 << 23, 1 << 13];
 /// Margin around the bounds, as a fraction of their size.
 const MARGIN: f32 = 1.0 / 64.0;
+/// Relative rounding error.
+const ROUNDING: f32 = 6e-8;
 /// Factor on cell sizes, for the rounding of points and centres.
 const SLACK: f32 = 1.001;
 
@@ -78,8 +82,10 @@ pub(crate) struct SparseGrid {
     pub(crate) edge: f32,
     /// Number of roots along each axis.
     pub(crate) counts: [u32; 3],
-    /// Lipschitz constant of all shapes.
+    /// Lipschitz constant of all members.
     pub(crate) lipschitz: f32,
+    /// [`ShapeGrid::code_width`], metres.
+    pub(crate) code_width: f32,
     /// Distance below rounding, metres.
     negligible: f32,
     /// Distance behind the nearest shape beyond which blends leave nothing of a shape, metres.
@@ -140,11 +146,13 @@ pub(super) enum FoundCell<'a> {
 impl SparseGrid {
     /// Prepares the grid: the lists of its roots.
     pub(super) fn new(field: &Field, shape_grid: &ShapeGrid) -> Self {
-        let count = shape_grid.leaves.len();
+        let count = shape_grid.members.len();
         let (min, max) = (shape_grid.bounds.min, shape_grid.bounds.max);
         let size = (0..3).map(|k| max[k] - min[k]).fold(1e-6, f32::max);
         let extent = min.iter().chain(&max).map(|v| v.abs()).fold(size, f32::max);
-        let margin = (size * MARGIN).max(1e-5 * extent);
+        let code_width = shape_grid.code_width(shape_grid.smooth.map_or(0.0, |blend| cutoff(blend, ROUNDING * extent)));
+        // The bound outside must be large enough.
+        let margin = (size * MARGIN).max(1e-5 * extent) + code_width + shape_grid.margin;
         // The next of eight sizes for each power of two.
         let root = (8.0 * ((size + 2.0 * margin) / ROOTS as f32).log2()).ceil();
         let root = (root / 8.0).exp2();
@@ -152,16 +160,18 @@ impl SparseGrid {
         let counts =
             std::array::from_fn(|k| (((max[k] + margin) / root).ceil() - first[k]).clamp(1.0, MAX_ROOTS) as u32);
         let end = |k: usize| (first[k] + counts[k] as f32).abs().max(first[k].abs());
-        let negligible = 6e-8 * root * end(0).max(end(1)).max(end(2));
-        let slopes = shape_grid.leaves.iter().map(|&leaf| {
+        let negligible = ROUNDING * root * end(0).max(end(1)).max(end(2));
+        let slopes = shape_grid.leaves().map(|leaf| {
             let leaf = &field.leaves[leaf as usize];
             leaf.shape.lipschitz(&leaf.params)
         });
+        let slopes = slopes.chain(shape_grid.code.iter().map(|tree| field.tree_lipschitz(tree)));
         let mut grid = Self {
             min: first.map(|first| first * root),
             edge: root / (1 << BITS) as f32,
             counts,
             lipschitz: slopes.fold(1.0, f32::max),
+            code_width,
             negligible,
             cutoff: shape_grid.smooth.map_or(0.0, |blend| cutoff(blend, negligible)),
             short: SHORT * ((count as f32 / 1000.0).powf(0.6).round() as usize).clamp(1, 16),
@@ -478,8 +488,12 @@ impl<'a> Pruner<'a> {
         let p = Vec3::new(lane(0), lane(1), lane(2));
         self.distances.clear();
         for &number in &self.stack[list] {
-            let leaf = self.shape_grid.leaves[number as usize];
-            let distance: f32x8 = self.field.leaves[leaf as usize].distance(p);
+            let distance: f32x8 = match self.shape_grid.members[number as usize] {
+                Member::Shape(leaf) => self.field.leaves[leaf as usize].distance(p),
+                Member::Code(index) => {
+                    self.field.tree_distance(&self.shape_grid.code[index as usize], p, FarField::Exact)
+                }
+            };
             self.distances.push(if self.shape_grid.separate { distance.abs() } else { distance });
         }
         self.keeps.clear();
@@ -578,8 +592,8 @@ impl RootBuilder<'_> {
             list = self.pruner.prune_by_octants(centre, edge, 1, list);
         }
         if list.len() > self.short {
-            if distance.abs() >= FAR * self.pruner.change(edge)
-                && let Some(cell) = self.far_cell(centre, list.clone(), distance)
+            if distance.abs() >= FAR * self.pruner.change(edge) + self.pruner.shape_grid.margin
+                && let Some(cell) = self.far_cell(centre, edge, list.clone(), distance)
             {
                 return Some(cell);
             }
@@ -643,17 +657,23 @@ impl RootBuilder<'_> {
     }
 
     /// Makes a cell far from every surface, if its nearest surface point can be found.
-    fn far_cell(&self, centre: [f32; 3], list: Range<usize>, distance: f32) -> Option<Cell> {
+    fn far_cell(&self, centre: [f32; 3], edge: f32, list: Range<usize>, distance: f32) -> Option<Cell> {
         let Pruner { field, shape_grid, stack, .. } = &self.pruner;
         let [x, y, z] = centre;
         let list = stack[list].iter().copied();
-        let found = shape_grid.fold_surface(field, list, Vec3::new(x, y, z), &|_| 0.5f32);
+        let p = Vec3::new(x, y, z);
+        let code = |index| field.tree_surface(&shape_grid.code[index as usize], p, &|_| 0.5f32, FarField::Exact);
+        let found = shape_grid.fold_surface(field, list, p, &|_| 0.5f32, &CodeValues::new(code));
         let gradient = found.field.gradient;
         let steepness = gradient.length();
         if !(steepness > 1e-3 && steepness.is_finite()) {
             return None;
         }
         let along = found.field.value / steepness;
+        // Estimates are exact within the margin as well.
+        if along.abs() < self.pruner.change(edge) + shape_grid.margin {
+            return None;
+        }
         let surface = [gradient.x, gradient.y, gradient.z];
         let surface = std::array::from_fn(|k| centre[k] - surface[k] * along / steepness);
         Some(Cell::Far { surface, distance: distance.copysign(along), leaf: found.leaf as u32 })

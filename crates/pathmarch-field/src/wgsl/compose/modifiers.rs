@@ -11,6 +11,10 @@ impl Composer<'_> {
     pub(super) fn modifiers(&self, tree: &Tree, functions: &mut BTreeSet<(u32, String)>) {
         match tree {
             Tree::Leaf(_) => {}
+            Tree::Operator { shape_grid: Some(index), .. } => {
+                let code = &self.field.shape_grids()[*index as usize].code;
+                code.iter().for_each(|tree| self.modifiers(tree, functions));
+            }
             Tree::Operator { children, .. } => children.iter().for_each(|child| self.modifiers(child, functions)),
             Tree::Modifier(modified) => {
                 self.modifiers(&modified.inside, functions);
@@ -27,9 +31,10 @@ impl Composer<'_> {
         let numbers = arguments(first, modified.coefficients.len());
         let mut counter = 0;
         let mut distance = format!(
-            "/// Signed distance to the child of modifier {index}, `{name}`.\nfn inside_{index}_distance(p: vec3f) -> f32 {{\n"
+            "/// Signed distance to the child of modifier {index}, `{name}`.\nfn inside_{index}_distance({}) -> f32 {{\n",
+            modified.with_estimate("p: vec3f, estimate: bool", "p: vec3f")
         );
-        let value = self.tree_distance(inside, &mut distance, &mut counter);
+        let value = self.tree_distance(inside, &mut distance, &mut counter, "estimate");
         distance += &format!("    return {value};\n}}\n");
         let mut counter = 0;
         let mut surface = format!(
@@ -42,12 +47,19 @@ impl Composer<'_> {
             _ => format!(" * {}", component(start, 3)),
         };
         let (looked, found) = match copies {
-            1 => (String::new(), format!("inside_{index}_distance({name}_point(p, 0.0{numbers}))")),
-            _ => (self.nearest(modified, &numbers, "nearest = min(nearest, distance);"), "nearest".to_owned()),
+            1 => {
+                let estimate = modified.with_estimate(", estimate", "");
+                (String::new(), format!("inside_{index}_distance({name}_point(p, 0.0{numbers}){estimate})"))
+            }
+            _ => {
+                let then = "nearest = min(nearest, distance);";
+                (self.nearest(modified, &numbers, "estimate", then), "nearest".to_owned())
+            }
         };
         let estimated_distance = format!(
-            "/// Signed distance to modifier {index}, `{name}`.\nfn modified_{index}_distance(world: vec3f) -> f32 {{\n    let p = \
-             {point};\n{looked}    return {name}_distance(p, {found}{numbers}){scale};\n}}\n"
+            "/// Signed distance to modifier {index}, `{name}`.\nfn modified_{index}_distance({}) -> f32 {{\n    let p = \
+             {point};\n{looked}    return {name}_distance(p, {found}{numbers}){scale};\n}}\n",
+            modified.with_estimate("world: vec3f, estimate: bool", "world: vec3f")
         );
         let looked = self.nearest_copy(modified, &numbers);
         let back = match pose.turn {
@@ -66,12 +78,13 @@ impl Composer<'_> {
     }
 
     /// Prints a loop over the domain copies of a modifier, with the statement `then` over `distance` of each and `nearest` so far.
-    fn nearest(&self, modified: &Modified, numbers: &str, then: &str) -> String {
+    fn nearest(&self, modified: &Modified, numbers: &str, is_estimate: &str, then: &str) -> String {
         let Modified { modifier, index, copies, .. } = modified;
         format!(
             "    var nearest = 1e30;\n    for (var k = 0u; k < {copies}u; k++) {{\n        let distance = \
-             inside_{index}_distance({}_point(p, f32(k){numbers}));\n        {then}\n    }}\n",
-            modifier.wgsl_name()
+             inside_{index}_distance({}_point(p, f32(k){numbers}){});\n        {then}\n    }}\n",
+            modifier.wgsl_name(),
+            modified.with_estimate(&format!(", {is_estimate}"), "")
         )
     }
 
@@ -80,7 +93,24 @@ impl Composer<'_> {
         let then = "copy = select(copy, f32(k), distance < nearest);\n        nearest = min(nearest, distance);";
         match modified.copies {
             1 => "    let copy = 0.0;\n".to_owned(),
-            _ => "    var copy = 0.0;\n".to_owned() + &self.nearest(modified, numbers, then),
+            _ => "    var copy = 0.0;\n".to_owned() + &self.nearest(modified, numbers, "true", then),
         }
+    }
+}
+
+impl Modified {
+    /// Chooses between two texts: the first if a shape grid is inside, so that its functions take whether to estimate distances.
+    pub(super) fn with_estimate<'t>(&self, yes: &'t str, no: &'t str) -> &'t str {
+        if has_shape_grid(&self.inside) { yes } else { no }
+    }
+}
+
+/// Reports whether a tree reads a shape grid.
+fn has_shape_grid(tree: &Tree) -> bool {
+    match tree {
+        Tree::Leaf(_) => false,
+        Tree::Operator { shape_grid: Some(_), .. } => true,
+        Tree::Operator { children, .. } => children.iter().any(has_shape_grid),
+        Tree::Modifier(modified) => has_shape_grid(&modified.inside),
     }
 }

@@ -1,24 +1,26 @@
 //! WGSL of shape grids: code for the kinds of shapes in use, and everything else as parameters.
 //!
 //! `graph/shape_grid.rs` explains them. Each grid appends to the parameters a record of every shape (position, scale, rotation,
-//! coefficients), its cells, two vectors each, and the lists of records. The code has only the index of the grid's header of
-//! five vectors, so that it does not change with the number of shapes or their positions.
+//! coefficients), its cells, two vectors each, and the lists of records. The code has only the index of the grid's header, so
+//! that it does not change with the number of shapes or their positions. Members that are code are functions. In lists, they are
+//! negative numbers.
 //!
 //! Cost: a descent without a loop, and one iteration for each shape in a list. Mesa's software Vulkan ends all loops of an
 //! invocation after 65,535 iterations together: a path of ten rays at a hundred evaluations each with lists of eight takes
 //! 9,000. It runs all cases of a `switch`, which is cheaper than a test for each; only functions that loop themselves are
 //! skipped, by a loop with one pass.
 
+use super::parameters::component;
 use super::{Composer, profile};
 use crate::graph::Pose;
-use crate::graph::shape_grid::{BITS, Cell, SPLITS, ShapeGrid};
+use crate::graph::shape_grid::{BITS, Cell, Member, SPLITS, ShapeGrid};
 use crate::registry::union;
 use crate::shapes::Shape;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Vectors of a grid's header.
-pub(super) const HEADER: usize = 5;
+/// Vectors of a grid's header before the choices of the members that are code.
+const HEADER: usize = 5;
 /// Vectors of a record before those of further coefficients.
 const RECORD: usize = 5;
 
@@ -51,11 +53,7 @@ impl Composer<'_> {
     }
 
     fn leaves_with_records(&self) -> impl Iterator<Item = u32> {
-        self.field
-            .shape_grids()
-            .iter()
-            .flat_map(|shape_grid| shape_grid.leaves.iter().copied())
-            .chain(self.field.bvh().leaves())
+        self.field.shape_grids().iter().flat_map(ShapeGrid::leaves).chain(self.field.bvh().leaves())
     }
 
     /// Kinds of shapes with records, for calls of their functions.
@@ -80,7 +78,8 @@ impl Composer<'_> {
         let mut blends = false;
         for shape_grid in field.shape_grids() {
             self.shape_grid_starts.push(self.parameters.len());
-            self.parameters.extend([[0.0; 4]; HEADER]);
+            let vectors = HEADER + shape_grid.code.len().div_ceil(4);
+            self.parameters.resize(self.parameters.len() + vectors, [0.0; 4]);
             if !shape_grid.separate {
                 let profile = profile(shape_grid.smooth);
                 functions.insert((1, union().wgsl_distance(profile)));
@@ -98,8 +97,18 @@ impl Composer<'_> {
         let kinds: Vec<String> = self.shape_grid_kinds().into_iter().map(|(name, _)| name).collect();
         for (shape_grid, header) in field.shape_grids().iter().zip(self.shape_grid_starts.clone()) {
             let (grid, all) = (shape_grid.grid(field), shape_grid.all_cells(field));
-            let records: Vec<f32> =
-                (0..).zip(&shape_grid.leaves).map(|(number, &leaf)| self.record(&kinds, number, leaf)).collect();
+            let mut records = Vec::new();
+            for (position, member) in shape_grid.members.iter().enumerate() {
+                let choice = shape_grid.choices.get(position).copied().unwrap_or_default();
+                records.push(match *member {
+                    Member::Shape(leaf) => self.record(&kinds, choice, leaf),
+                    Member::Code(index) => {
+                        self.parameters[header + HEADER + index as usize / 4][index as usize % 4] = choice as f32;
+                        -1.0 - index as f32
+                    }
+                });
+            }
+            let any_record = records.iter().copied().find(|&record| record >= 0.0).unwrap_or_default();
             let cells = self.parameters.len();
             for cell in &all.cells {
                 self.parameters.extend(match *cell {
@@ -119,16 +128,16 @@ impl Composer<'_> {
             let ([x, y, z], roots, bounds) = (grid.min, grid.counts.map(|count| count as f32), shape_grid.bounds);
             self.parameters[header..header + HEADER].copy_from_slice(&[
                 [x, y, z, grid.edge],
-                [roots[0], roots[1], roots[2], shape_grid.first_choice as f32],
+                [roots[0], roots[1], roots[2], any_record],
                 [bounds.min[0], bounds.min[1], bounds.min[2], blend[0]],
                 [bounds.max[0], bounds.max[1], bounds.max[2], blend[1]],
-                [cells as f32, lists as f32, grid.lipschitz, 0.0],
+                [cells as f32, lists as f32, grid.lipschitz, grid.code_width],
             ]);
         }
     }
 
     /// Appends the record of a leaf; returns its index.
-    pub(super) fn record(&mut self, kinds: &[String], number: u32, leaf: u32) -> f32 {
+    pub(super) fn record(&mut self, kinds: &[String], choice: u32, leaf: u32) -> f32 {
         let shape = &self.field.leaves()[leaf as usize];
         let mut params = shape.params.clone();
         if shape.shape.reads_table() {
@@ -144,7 +153,7 @@ impl Composer<'_> {
         self.parameters.extend([
             [at[0], at[1], at[2], scale],
             [x[0], x[1], x[2], kind as f32],
-            [y[0], y[1], y[2], number as f32],
+            [y[0], y[1], y[2], choice as f32],
             [z[0], z[1], z[2], leaf as f32],
         ]);
         params.resize(params.len().next_multiple_of(4).max(4), 0.0);
@@ -160,9 +169,31 @@ impl Composer<'_> {
         let mut text = format!("{CELL}\n{}\n", find());
         for (number, (shape_grid, &header)) in self.field.shape_grids().iter().zip(&self.shape_grid_starts).enumerate()
         {
+            text += &self.code_members(number, shape_grid);
             text += &shape_grid_functions(number, shape_grid, header);
         }
         text
+    }
+
+    /// Prints the members of a grid that are code: `shape_grid_N_code_K_distance` and `shape_grid_N_code_K_surface`.
+    fn code_members(&self, number: usize, shape_grid: &ShapeGrid) -> String {
+        let member = |(index, tree)| {
+            let mut distance = format!(
+                "/// Signed distance to the member {index} of shape grid {number} that is code.\n\
+                 fn shape_grid_{number}_code_{index}_distance(p: vec3f, estimate: bool) -> f32 {{\n"
+            );
+            let value = self.tree_distance(tree, &mut distance, &mut 0, "estimate");
+            let mut surface = format!(
+                "/// Surface of the member {index} of shape grid {number} that is code.\n\
+                 fn shape_grid_{number}_code_{index}_surface(p: vec3f, seed: u32) -> Surface {{\n"
+            );
+            let (gradient, leaf) = self.tree_surface(tree, &mut surface, &mut 0);
+            format!(
+                "{distance}    return {value};\n}}\n\n{surface}    return Surface({gradient}.xyz, {gradient}.w, {leaf}, \
+                 NO_TRIANGLE);\n}}\n\n"
+            )
+        };
+        shape_grid.code.iter().enumerate().map(member).collect()
     }
 
     /// Prints distance and gradient of the shape of a record.
@@ -281,20 +312,24 @@ fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) ->
         header + 3,
         header + 4
     );
-    let listed = "        let place = start + k;\n        let record = u32(field_parameters[lists + (place >> 2u)][place & 3u]);\n";
+    let code = CodeMembers { grid: number, count: shape_grid.code.len(), header };
+    let listed = code.listed();
     let distance = format!(
         "/// Distance to shape grid {number}: exact near its surface, elsewhere a bound or, on request, an estimate.\n\
          fn shape_grid_{number}_distance(p: vec3f, estimate: bool) -> f32 {{\n{numbers}    let bounded = abs(cell.far_field.w) - \
          field_parameters[{lipschitz}].z * length(p - cell.centre);\n    let far_field = select(max(bounded, 0.0), length(p - \
          cell.far_field.xyz), estimate);\n    let beyond = max(max(field_parameters[{least}].xyz - p, p - \
          field_parameters[{most}].xyz), vec3f(0.0));\n    let outside = !cell.inside && !estimate;\n    var result = \
-         select({far_field}, length(beyond), outside);\n    let start = u32(cell.entry.y);\n    let count = select(0u, \
-         u32(cell.entry.z), cell.entry.x == 1.0 && !outside);\n    for (var k = 0u; k < count; k++) {{\n{listed}        let d \
-         = record_distance(record, p);\n        result = select({combined}, {signed}, k == 0u);\n    }}\n    return \
-         result;\n}}\n",
+         select({far_field}, length(beyond) - field_parameters[{lipschitz}].w, outside);\n    let start = \
+         u32(cell.entry.y);\n    let count = select(0u, u32(cell.entry.z), cell.entry.x == 1.0 && !outside);\n    for (var k \
+         = 0u; k < count; k++) {{\n{listed}        {declared} d = record_distance(record, p);\n{codes}        result = \
+         select({combined}, {signed}, k == 0u);\n    }}\n{outside}    return result;\n}}\n",
         lipschitz = header + 4,
         least = header + 2,
         most = header + 3,
+        declared = code.declared(),
+        codes = code.distances(),
+        outside = code.distance_outside(&format!("{name}_distance"), widths),
     );
     let shown = match shape_grid.separate {
         true => {
@@ -303,11 +338,11 @@ fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) ->
         }
         false => {
             let threshold = match shape_grid.smooth {
-                Some(_) => format!("choice(seed, u32(field_parameters[{}].w) + number - 1u)", header + 1),
+                Some(_) => "choice(seed, u32(chosen))".to_owned(),
                 None => "0.5".to_owned(),
             };
             format!(
-                "        let number = u32(field_parameters[record + 2u].w);\n        let shows = k == 0u || {threshold} < \
+                "        let shows = k == 0u || {threshold} < \
                  {name}_weight(result.w, d.w{widths});\n        result = select({name}_gradient(result, d{widths}), d, k == \
                  0u);\n"
             )
@@ -318,8 +353,118 @@ fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) ->
          u32) -> Surface {{\n{numbers}    let away = p - cell.far_field.xyz;\n    let value = select(length(away), -length(away), \
          cell.far_field.w < 0.0);\n    var result = vec4f(away / value, value);\n    var leaf = u32(cell.entry.y);\n    let start = \
          leaf;\n    let count = select(0u, u32(cell.entry.z), cell.entry.x == 1.0);\n    for (var k = 0u; k < count; k++) \
-         {{\n{listed}        let d = record_gradient(record, p);\n{shown}        leaf = select(leaf, \
-         u32(field_parameters[record + 3u].w), shows);\n    }}\n    return Surface(result.xyz, result.w, leaf, NO_TRIANGLE);\n}}\n"
+         {{\n{listed}        {declared} d = record_gradient(record, p);\n        {declared} chosen = field_parameters[record + \
+         2u].w;\n        {declared} other = u32(field_parameters[record + 3u].w);\n{codes}{shown}        leaf = select(leaf, \
+         other, shows);\n    }}\n{outside}    return Surface(result.xyz, result.w, leaf, NO_TRIANGLE);\n}}\n",
+        declared = code.declared(),
+        codes = code.surfaces(),
+        outside = code.surface_outside(&name, widths, shape_grid.smooth.is_some()),
     );
     format!("{distance}\n{surface}\n")
+}
+
+/// Calls of the members of a grid that are code. Software Vulkan skips them only as loops with one pass.
+struct CodeMembers {
+    grid: usize,
+    count: usize,
+    header: usize,
+}
+
+impl CodeMembers {
+    /// Keyword of what a member that is code replaces.
+    fn declared(&self) -> &'static str {
+        if self.count == 0 { "let" } else { "var" }
+    }
+
+    /// Prints the record of the member `start + k` of the lists; of code, any record.
+    fn listed(&self) -> String {
+        let place = "        let place = start + k;\n";
+        let listed = "field_parameters[lists + (place >> 2u)][place & 3u]";
+        match self.count {
+            0 => format!("{place}        let record = u32({listed});\n"),
+            _ => format!(
+                "{place}        let listed = {listed};\n        let record = u32(select(listed, field_parameters[{}].w, \
+                 listed < 0.0));\n",
+                self.header + 1
+            ),
+        }
+    }
+
+    /// Prints the choice of the member `listed`, if it is code, and statements for it.
+    fn cases(&self, statements: impl Fn(usize) -> String) -> String {
+        if self.count == 0 {
+            return String::new();
+        }
+        let case = |index: usize| {
+            format!(
+                "            loop {{\n                if listed != {}.0 {{\n                    break;\n                }}\n{}                \
+                 break;\n            }}\n",
+                -1 - index as i64,
+                statements(index)
+            )
+        };
+        let cases: String = (0..self.count).map(case).collect();
+        format!(
+            "        loop {{\n            if listed >= 0.0 {{\n                break;\n            }}\n{cases}            break;\n        }}\n"
+        )
+    }
+
+    fn distances(&self) -> String {
+        self.cases(|index| {
+            format!("                d = shape_grid_{}_code_{index}_distance(p, estimate);\n", self.grid)
+        })
+    }
+
+    fn surfaces(&self) -> String {
+        self.cases(|index| {
+            format!(
+                "                let code = shape_grid_{}_code_{index}_surface(p, seed);\n                d = vec4f(code.gradient, \
+                 code.distance);\n                chosen = {};\n                other = code.leaf;\n",
+                self.grid,
+                self.choice(index)
+            )
+        })
+    }
+
+    fn choice(&self, index: usize) -> String {
+        component(self.header + HEADER + index / 4, index % 4)
+    }
+
+    /// Prints the union with all code for points outside of the grid.
+    fn distance_outside(&self, union: &str, widths: &str) -> String {
+        let value = |index: usize| format!("shape_grid_{}_code_{index}_distance(p, estimate)", self.grid);
+        let further: String =
+            (1..self.count).map(|index| format!("        code = {union}(code, {}{widths});\n", value(index))).collect();
+        self.outside(&format!("        var code = {};\n{further}        result = min(result, code);\n", value(0)))
+    }
+
+    fn surface_outside(&self, name: &str, widths: &str, is_smooth: bool) -> String {
+        let surface = |index: usize| {
+            format!("        let code{index} = shape_grid_{}_code_{index}_surface(p, seed);\n", self.grid)
+        };
+        let further = |index: usize| {
+            let threshold = if is_smooth { format!("choice(seed, u32({}))", self.choice(index)) } else { "0.5".into() };
+            format!(
+                "{}        let d{index} = vec4f(code{index}.gradient, code{index}.distance);\n        code_leaf = select(code_leaf, \
+                 code{index}.leaf, {threshold} < {name}_weight(code.w, d{index}.w{widths}));\n        code = \
+                 {name}_gradient(code, d{index}{widths});\n",
+                surface(index)
+            )
+        };
+        let further: String = (1..self.count).map(further).collect();
+        self.outside(&format!(
+            "{}        var code = vec4f(code0.gradient, code0.distance);\n        var code_leaf = code0.leaf;\n{further}        leaf = \
+             select(leaf, code_leaf, code.w < result.w);\n        result = select(result, code, code.w < result.w);\n",
+            surface(0)
+        ))
+    }
+
+    fn outside(&self, statements: &str) -> String {
+        match self.count {
+            0 => String::new(),
+            _ => format!(
+                "    loop {{\n        if cell.inside {{\n            break;\n        }}\n{statements}        break;\n    }}\n"
+            ),
+        }
+    }
 }

@@ -15,7 +15,7 @@ impl Composer<'_> {
         );
         let mut counter = 0;
         let objects: Vec<&Tree> = self.field.sphere_traced_objects().collect();
-        if !objects.is_empty() || !self.field.shape_grids().is_empty() {
+        if !objects.is_empty() || self.field.separate_shape_grid().is_some() {
             text += &skipped_if("hit_id != SPHERE_TRACED");
         }
         for object in &objects {
@@ -26,7 +26,8 @@ impl Composer<'_> {
             )
             .expect("writing to a string");
         }
-        for shape_grid in 0..self.field.shape_grids().len() {
+        if self.field.separate_shape_grid().is_some() {
+            let shape_grid = self.field.shape_grids().len() - 1;
             writeln!(
                 text,
                 "    let shape_grid{shape_grid} = shape_grid_{shape_grid}_surface(p, seed);\n    if abs(shape_grid{shape_grid}.distance) < abs(nearest.w) \
@@ -35,7 +36,7 @@ impl Composer<'_> {
             )
             .expect("writing to a string");
         }
-        if !objects.is_empty() || !self.field.shape_grids().is_empty() {
+        if !objects.is_empty() || self.field.separate_shape_grid().is_some() {
             text += END_SKIPPED;
         }
         for index in self.field.analytic_objects().flat_map(analytic::leaves) {
@@ -103,7 +104,17 @@ impl Composer<'_> {
                 .expect("writing to a string");
                 (name, format!("{surface}.leaf"))
             }
-            Tree::Operator { operator, smooth, children, first_choice } => {
+            Tree::Operator { shape_grid: Some(index), .. } => {
+                let (name, surface) = (fresh("g"), fresh("s"));
+                writeln!(
+                    text,
+                    "    let {surface} = shape_grid_{index}_surface(p, seed);\n    let {name} = vec4f({surface}.gradient, \
+                     {surface}.distance);"
+                )
+                .expect("writing to a string");
+                (name, format!("{surface}.leaf"))
+            }
+            Tree::Operator { operator, smooth, children, first_choice, .. } => {
                 let (mut result, mut leaf) = self.tree_surface(&children[0], text, counter);
                 let width = self.width(*first_choice, *smooth);
                 let function = operator.wgsl_name(profile(*smooth));
