@@ -154,7 +154,8 @@ fn lamps_that_nothing_can_see(renderer: &Renderer) {
     assert!(picture.pixels.iter().flatten().all(|&value| value == 0.0));
 }
 
-/// Ceiling of 4,000 lamps: balls on a lattice in rings, panels as one union, and as many points.
+/// Ceiling of 4,000 lamps: balls on a lattice in rings, panels as one union, and as many points. The modifiers of the wave are
+/// declared after those of the rings, which lamps do not keep.
 fn ceiling(counts: [u32; 2], points: u32) -> Scene {
     let [columns, rows] = counts;
     let mut text = format!(
@@ -162,9 +163,10 @@ fn ceiling(counts: [u32; 2], points: u32) -> Scene {
          material \"white\" {{ diffuse 0.7 }}\nmaterial \"metal\" {{ metal 0.9; roughness 0.3 }}\n\
          material \"warm\" {{ emit 30 20 10 }}\nmaterial \"cold\" {{ emit 10 20 30 }}\n\
          object \"floor\" material=\"white\" {{ plane }}\n\
-         object \"wave\" material=\"metal\" {{ torus 1.2 0.4 {{ at 0 0.5 0 }} }}\n\
          object \"rings\" material=\"warm\" {{ repeat 0.5 0 0.5 count-x={columns} count-z={rows} {{ polar 8 {{ sphere 0.02 {{ at 0.2 \
-         3 0 }} }} }} }}\nobject \"panels\" material=\"cold\" {{ union {{\n"
+         3 0 }} }} }} }}\n\
+         object \"wave\" material=\"metal\" {{ shell 0.01 {{ twist 0.05 {{ torus 1.2 0.4 {{ at 0 0.5 0 }} }} }} }}\n\
+         object \"panels\" material=\"cold\" {{ union {{\n"
     );
     for k in 0..rows * columns {
         let [x, z] = [k % columns, k / columns].map(|k| 0.5 * k as f32);

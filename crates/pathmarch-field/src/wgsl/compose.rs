@@ -17,7 +17,7 @@ use crate::blend::{Blend, BlendProfile};
 use crate::graph::shape_grid::ShapeGrid;
 use crate::graph::{Field, Tree};
 use crate::mesh_shape::words::MeshWords;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Largest number of parameter vectors for uniform memory: 64 KiB, which every adapter has.
@@ -209,7 +209,7 @@ impl<'a> Composed<'a> {
             parameters: Vec::new(),
             widths: Vec::new(),
             starts: Vec::new(),
-            modifier_starts: Vec::new(),
+            modifier_starts: BTreeMap::new(),
             shape_grid_starts: Vec::new(),
             bvh_start: 0,
             bvh_records: Vec::new(),
@@ -261,7 +261,7 @@ struct Composer<'a> {
     /// Index of the first parameters of each leaf.
     starts: Vec<usize>,
     /// Index of the first parameters of each modifier.
-    modifier_starts: Vec<usize>,
+    modifier_starts: BTreeMap<u32, usize>,
     /// Index of each shape grid's header.
     shape_grid_starts: Vec<usize>,
     /// Index of the BVH's header.
@@ -284,8 +284,7 @@ impl Composer<'_> {
             Tree::Leaf(_) => return false,
             Tree::Modifier(modified) => {
                 let chooses = self.operators(&modified.inside, functions);
-                // Inner modifiers have lower indices.
-                self.modifier_starts.push(self.parameters.len());
+                self.modifier_starts.insert(modified.index, self.parameters.len());
                 self.pack(&modified.pose, &modified.coefficients);
                 functions.insert((1, modified.modifier.wgsl()));
                 return chooses;

@@ -86,7 +86,7 @@ impl Composer<'_> {
     fn coordinates_of(&self, modified: &Modified) -> String {
         let Modified { modifier, index, pose, .. } = modified;
         let name = modifier.wgsl_name();
-        let start = self.modifier_starts[*index as usize];
+        let start = self.modifier_starts[index];
         let (point, first) = local(pose, start, "world");
         let numbers = arguments(first, modified.coefficients.len());
         let copy = self.nearest_copy(modified, &numbers);

@@ -26,7 +26,7 @@ impl Composer<'_> {
     fn modified(&self, modified: &Modified) -> String {
         let Modified { modifier, index, copies, pose, inside, .. } = modified;
         let name = modifier.wgsl_name();
-        let start = self.modifier_starts[*index as usize];
+        let start = self.modifier_starts[index];
         let (point, first) = local(pose, start, "world");
         let numbers = arguments(first, modified.coefficients.len());
         let mut counter = 0;
