@@ -3,8 +3,9 @@
 //! One light is chosen at each surface. A share of the random numbers chooses a sun or the environment by an alias table, in
 //! proportion to their irradiance; the others choose a light with a position by the [light tree](crate::scene::light_tree), in
 //! proportion to an estimate of its irradiance at the point. A scene of up to three such lights has no tree, and the table chooses
-//! them by their irradiance at the centre of the scene. A sphere is sampled uniformly in the cone that it subtends
-//! (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"); a rectangle, a disc,
+//! them by their irradiance at the centre of the scene. What counts of a colour is its share of the light of each channel. A
+//! sphere is sampled uniformly in the cone that it subtends (Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct
+//! Lighting Calculations"); a rectangle, a disc,
 //! the visible faces of a box, and the triangles of a mesh are sampled by area. Any other shape is sampled in the cone of
 //! its bounding sphere, so that the shadow ray may miss it. BSDF sampling hits the same lights; the power heuristic weights both strategies
 //! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
