@@ -2,7 +2,7 @@
 //! `data/README.md` describes each reference and the expected differences.
 
 use crate::common::{data, on_both_backends, render, worst_block};
-use pathmarch_render::image::{self, PictureKind};
+use pathmarch_render::image::{self, Picture, PictureKind};
 use pathmarch_render::metrics::{compare, mean_colour, relmse};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings};
@@ -66,6 +66,30 @@ fn pictures_agree_with_mitsuba() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// Caustics through glass and over a mirror, which Mitsuba's light tracer does not show. The reference is noisy where the ball
+/// reflects the lamp.
+fn seen_caustics_agree_with_luxcore() {
+    let cpu = Renderer::open(Backend::Cpu, None).expect("the CPU backend");
+    let scene = Scene::load(data("seen_caustics.kdl")).expect("a valid scene");
+    let reference = image::load(&data("seen_caustics.exr")).expect("a picture").picture;
+    let picture = render(&cpu, &scene, &Settings { samples: 1024, ..Settings::of(&scene) }).mean();
+    let mean_in = |picture: &Picture, [x, y, width, height]: [u32; 4]| {
+        let rows = (y..y + height).flat_map(|y| (x..x + width).map(move |x| (y * picture.width + x) as usize));
+        rows.map(|pixel| picture.pixels[pixel].iter().sum::<f32>()).sum::<f32>() / (3 * width * height) as f32
+    };
+    for (name, region, limit) in [
+        ("all", [0, 0, 96, 72], 0.015),
+        ("through the pane", [18, 38, 24, 10], 0.02),
+        ("through the block", [58, 48, 24, 8], 0.03),
+        ("in the mirror", [40, 24, 16, 8], 0.03),
+        ("below the pane", [10, 54, 40, 12], 0.02),
+    ] {
+        let [ours, theirs] = [&picture, &reference].map(|picture| mean_in(picture, region));
+        println!("{name}: {ours:.4} {theirs:.4}");
+        assert!((ours / theirs - 1.0).abs() < limit, "{name}: {ours} {theirs}");
+    }
+}
+
 fn references_render_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
     let mut wrong = Vec::new();
     for (name, ..) in REFERENCES {
@@ -86,6 +110,6 @@ fn references_render_alike_on_both_backends(renderers: &mut [Renderer; 2]) {
 }
 
 tests! {
-    plain slow: [pictures_agree_with_mitsuba],
+    plain slow: [pictures_agree_with_mitsuba, seen_caustics_agree_with_luxcore],
     on_both_backends slow: [references_render_alike_on_both_backends],
 }
