@@ -208,14 +208,14 @@ fn a_lost_device_is_replaced() {
 
 fn the_cpu_renders_scenes_that_the_gpu_refuses() {
     let mut live = Live::new(Backend::Gpu, None, || {});
-    // More shapes than a kernel may contain; the modifier around them prevents a shape grid.
+    // More shapes than a kernel may contain; shape grids are of unions.
     let balls: String = (0..2100).map(|k| format!("sphere 0.01 {{ at {} {} 0 }};", k % 50, k / 50)).collect();
-    let many = Arc::new(parse(&format!("{SCENE}\nobject \"many\" {{ round 0.001 {{ {balls} }} }}")));
+    let many = Arc::new(parse(&format!("{SCENE}\nobject \"many\" {{ subtract {{ box 3 3 0.015; {balls} }} }}")));
     let number = live.show(request(&many, [32, 18], 1));
     until(&live, "many shapes", |shown, status| {
         shown.request == number && shown.samples >= 1.0 && status.backend == "CPU" && status.notice.is_some()
     });
-    assert!(live.status().notice.is_some_and(|notice| notice.contains("2102 shapes")), "{:?}", live.status());
+    assert!(live.status().notice.is_some_and(|notice| notice.contains("2103 shapes")), "{:?}", live.status());
     // The GPU renders the next scene again.
     let number = live.show(request(&scene(), [32, 18], 1));
     until(&live, "few shapes", |shown, status| shown.request == number && status.resting && status.backend != "CPU");
