@@ -47,17 +47,20 @@ struct Peers {
 impl Peers {
     fn find(arguments: &Arguments) -> Self {
         let python = Python::new(arguments.python.as_deref());
+        let program = ThesisProgram::find(python.clone(), arguments.thesis_shader.as_deref());
+        if !arguments.peers {
+            return Self { mitsuba: None, cycles: None, program };
+        }
         let named = |name: &str, version: String| format!("{name} {version}");
-        let is_wanted = arguments.peers;
-        let mitsuba = is_wanted.then(|| Mitsuba::find(python.clone())).flatten().map(|mitsuba| {
+        let mitsuba = Mitsuba::find(python.clone()).map(|mitsuba| {
             let name = named("Mitsuba LLVM", mitsuba.version());
             (mitsuba, name)
         });
-        let cycles = is_wanted.then(|| Cycles::find(python.clone())).flatten().map(|cycles| {
+        let cycles = Cycles::find(python).map(|cycles| {
             let name = named("Cycles", cycles.version());
             (cycles, name)
         });
-        Self { mitsuba, cycles, program: ThesisProgram::find(python, arguments.thesis_shader.as_deref()) }
+        Self { mitsuba, cycles, program }
     }
 
     /// A round of every peer that renders pictures.
@@ -257,7 +260,10 @@ fn frames(
         "\n| Scene | Thesis's program, ms | Ours, ms | Backend | Times faster | Spread |\n|---|---|---|---|---|---|"
     );
     for NamedScene { name, scene, .. } in scenes {
-        let Some(letter) = letter_of(name) else { continue };
+        let Some(letter) = letter_of(name) else {
+            note!("{name}: the thesis's program has no such scene");
+            continue;
+        };
         let rounds = arguments.rounds();
         let settings = Settings { size: arguments.size(), bounces: PROGRAM_BOUNCES, ..Settings::of(scene) };
         let settings = Settings { samples: 1 + rounds, splitting: Some(1), path_reuse: Some(false), ..settings };

@@ -27,11 +27,8 @@ impl LightSamples {
     /// Replaces lanes.
     fn set(&mut self, lanes: Mask8, sample: &Self) {
         let select = |new: f32x8, old: f32x8| Real::select(lanes, new, old);
-        let select_vector = |new: FieldVec3<f32x8>, old: FieldVec3<f32x8>| {
-            FieldVec3::new(select(new.x, old.x), select(new.y, old.y), select(new.z, old.z))
-        };
-        self.direction = select_vector(sample.direction, self.direction);
-        self.irradiance = select_vector(sample.irradiance, self.irradiance);
+        self.direction = FieldVec3::select(lanes, sample.direction, self.direction);
+        self.irradiance = FieldVec3::select(lanes, sample.irradiance, self.irradiance);
         self.distance = select(sample.distance, self.distance);
         self.pdf = select(sample.pdf, self.pdf);
         self.exist = self.exist | lanes & sample.exist;

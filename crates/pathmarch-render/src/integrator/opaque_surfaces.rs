@@ -23,32 +23,27 @@ use wide::f32x8;
 pub(super) fn kind_in_lanes(ctx: &TraceContext, leaf: usize) -> Option<KindInLanes> {
     let material = ctx.scene.leaves[leaf].material as usize;
     let is_apart = !ctx.config.traced_caustics || ctx.scene.materials[material].has(LAMBERTIAN);
-    ctx.scene.kinds_in_lanes[material].filter(|_| is_apart && ctx.photons.is_none())
+    ctx.scene.bsdfs[material]?.in_lanes.filter(|_| is_apart && ctx.photons.is_none())
 }
 
 /// Surface of a path, by the index of the path.
 pub(super) type SurfaceOfPath<'a> = (usize, &'a SurfaceInteraction);
 
-/// Shades surfaces of materials of one kind at the ends of one to eight paths: samples a light of each and its next ray.
-/// Returns a bit for each that goes on.
-pub(super) fn shade(
-    ctx: &TraceContext,
-    kind: KindInLanes,
-    paths: &mut [Path],
-    surfaces: &[SurfaceOfPath],
-    samples: &SurfaceSamples,
-    surface_index: u32,
-    shadow_tests: &mut Vec<ShadowTest>,
-) -> u32 {
-    let shade = match kind {
-        KindInLanes::Diffuse => shade_with::<DiffuseInLanes>,
-        KindInLanes::Metal => shade_with::<MetalInLanes>,
-    };
-    shade(ctx, paths, surfaces, samples, surface_index, shadow_tests)
+/// [`shade`] for the surfaces of a kind of material.
+pub(super) type Shade =
+    fn(&TraceContext, &mut [Path], &[SurfaceOfPath], &SurfaceSamples, u32, &mut Vec<ShadowTest>) -> u32;
+
+/// Shading of the surfaces of a kind of material.
+pub(super) fn shading_of(kind: KindInLanes) -> Shade {
+    match kind {
+        KindInLanes::Diffuse => shade::<DiffuseInLanes>,
+        KindInLanes::Metal => shade::<MetalInLanes>,
+    }
 }
 
-/// [`shade`] with a BSDF.
-fn shade_with<B: BsdfInLanes>(
+/// Shades surfaces of materials of one kind at the ends of one to eight paths: samples a light of each and its next ray.
+/// Returns a bit for each that goes on.
+fn shade<B: BsdfInLanes>(
     ctx: &TraceContext,
     paths: &mut [Path],
     surfaces: &[SurfaceOfPath],

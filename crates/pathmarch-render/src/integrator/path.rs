@@ -203,9 +203,9 @@ fn scatter(
         *scatters = next_ray.is_some();
     }
     for (kind, surfaces) in &opaque {
+        let shade = opaque_surfaces::shading_of(*kind);
         for surfaces in surfaces.chunks(8) {
-            let going_on =
-                opaque_surfaces::shade(ctx, *kind, paths, surfaces, &samples, surface_index, &mut shadow_tests);
+            let going_on = shade(ctx, paths, surfaces, &samples, surface_index, &mut shadow_tests);
             for (lane, (index, _)) in surfaces.iter().enumerate() {
                 scatters[*index] = going_on >> lane & 1 == 1;
             }

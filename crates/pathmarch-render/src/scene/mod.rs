@@ -36,7 +36,7 @@ use glam::Vec3;
 use light::{SceneLights, SpotLight};
 use material::TRANSMITS;
 use pathmarch_field::{Aabb, Field};
-use pathmarch_scene::materials::{Bsdf, BsdfParameters, KindInLanes};
+use pathmarch_scene::materials::{Bsdf, BsdfParameters};
 use pathmarch_scene::{Camera, Material, Scene};
 
 /// This flag where the condition holds, else 0.
@@ -54,8 +54,6 @@ pub(crate) struct RenderScene {
     pub(crate) base_colours: Vec<[f32; 3]>,
     /// BSDF of each material; `None` for emitters.
     pub(crate) bsdfs: Vec<Option<&'static Bsdf>>,
-    /// Kind of each material that has scattering functions in lanes.
-    pub(crate) kinds_in_lanes: Vec<Option<KindInLanes>>,
     /// Textures, bump map and orbit trap of each material.
     pub(crate) textured_materials: Vec<TexturedMaterial>,
     /// Lights that can be sampled, suns first. The lights of the tree come last.
@@ -94,7 +92,6 @@ impl RenderScene {
             materials: materials.map(|(material, textured)| MaterialRecord::new(material, textured)).collect(),
             base_colours: scene.materials.iter().map(base_colour).collect(),
             bsdfs: scene.materials.iter().map(|material| material.kind.bsdf).collect(),
-            kinds_in_lanes: scene.materials.iter().map(|material| material.kind.bsdf?.in_lanes).collect(),
             textured_materials,
             lights,
             light_tree: tree,

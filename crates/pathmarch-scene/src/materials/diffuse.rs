@@ -3,8 +3,8 @@
 //! A.5.3), so that the weight of a sample is the albedo.
 
 use super::{
-    Bsdf, BsdfInLanes, KindInLanes, ParametersInLanes, BsdfParameters, Eval, EvalInLanes, MaterialKind, PreviewMaterial, Scattered, ScatteredInLanes,
-    Texturing, colour, colour_of, emission, no_dielectric, vacuum,
+    Bsdf, BsdfInLanes, BsdfParameters, Eval, EvalInLanes, KindInLanes, MaterialKind, ParametersInLanes,
+    PreviewMaterial, Scattered, ScatteredInLanes, Texturing, colour, colour_of, emission, no_dielectric, vacuum,
 };
 use glam::Vec3;
 use pathmarch_field::Range;

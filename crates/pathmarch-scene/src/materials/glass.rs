@@ -23,8 +23,8 @@ use super::microfacet::{
     sheet_reflection, unhidden, unshadowed, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Dielectric, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, abbe, absorption, anisotropy, black,
-    colour, colour_of, glow, ior, multiscatter, priority, roughness, scattering, thin,
+    Bsdf, BsdfParameters, Dielectric, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, abbe, absorption,
+    anisotropy, black, colour, colour_of, glow, ior, multiscatter, priority, roughness, scattering, thin,
 };
 use crate::medium::Medium;
 use glam::Vec3;

@@ -6,8 +6,9 @@
 use super::albedo::lookup;
 use super::microfacet::{FOCUSING_ALPHA, MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
 use super::{
-    Bsdf, BsdfInLanes, KindInLanes, BsdfParameters, Eval, EvalInLanes, MaterialKind, ParametersInLanes, PreviewMaterial, Scattered,
-    ScatteredInLanes, Texturing, colour, colour_of, emission, multiscatter, no_dielectric, roughness, vacuum,
+    Bsdf, BsdfInLanes, BsdfParameters, Eval, EvalInLanes, KindInLanes, MaterialKind, ParametersInLanes,
+    PreviewMaterial, Scattered, ScatteredInLanes, Texturing, colour, colour_of, emission, multiscatter, no_dielectric,
+    roughness, vacuum,
 };
 use glam::Vec3;
 use pathmarch_field::Range;

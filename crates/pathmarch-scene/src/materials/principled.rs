@@ -19,8 +19,8 @@ use super::microfacet::{
     unhidden, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Dielectric, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption, anisotropy, colour,
-    colour_of, emission, fraction, glow, ior, priority, roughness, scattering,
+    Bsdf, BsdfParameters, Dielectric, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption,
+    anisotropy, colour, colour_of, emission, fraction, glow, ior, priority, roughness, scattering,
 };
 use crate::medium::Medium;
 use glam::Vec3;
