@@ -6,7 +6,7 @@ use pathmarch_render::metrics::{block_means, relmse};
 use pathmarch_render::pathmarch_scene::{Camera, Scene};
 use pathmarch_render::reconstruct::{Frame, ReconstructOptions, Sequence};
 use pathmarch_render::{Renderer, Settings};
-use pathmarch_testing::{plain, tests};
+use pathmarch_testing::{ignore, plain, tests};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [96, 54];
@@ -166,6 +166,41 @@ fn sizes_jumps_and_cuts_leave_finite_pictures(renderer: &Renderer) {
     }
 }
 
+fn rejected_samples_leave_no_trail(renderer: &Renderer) {
+    // The sum of both lamps is no number.
+    let text = GLOSSY_ROOM.replace("object \"floor\"", "material \"sun\" { emit 3e38 }\n\
+        object \"suns\" material=\"sun\" { union { sphere 0.2 { at 0.5 1.5 0 }; sphere 0.2 { at 1 1.5 0 } } }\nobject \"floor\"");
+    let [scene, dark] = [Arc::new(parse(&text)), Arc::new(parse(&text.replace("3e38", "0.01")))];
+    let mut sequence = Sequence::new(renderer, ReconstructOptions::default());
+    let mut rejected = 0;
+    for frame in 0..8 {
+        let scene = if frame < 4 { &scene } else { &dark };
+        let shown = next(&mut sequence, scene, moved(scene, 0.02 * frame as f32), frame);
+        rejected += shown.noisy.pixels.iter().flatten().filter(|channel| !channel.is_finite()).count();
+        let finite = |picture: &Picture| picture.pixels.iter().flatten().all(|channel| channel.is_finite());
+        assert!(finite(&shown.noisy) && finite(&shown.reconstructed), "{frame}");
+        if frame == 7 {
+            let brightest = shown.reconstructed.pixels.iter().flatten().copied().fold(0.0, f32::max);
+            assert!(brightest < 20.0, "{brightest}");
+        }
+    }
+    assert_eq!(rejected, 0);
+}
+
+fn pictures_that_do_not_fit_are_shown_as_they_are([_, renderer]: &mut [Renderer; 2]) {
+    if !renderer.backend().adapter.contains("llvmpipe") {
+        ignore("only Mesa's software device is known to have buffers of at most 128 MiB");
+    }
+    let scene = room();
+    let mut sequence = Sequence::new(renderer, ReconstructOptions::default());
+    // Guides of 64 bytes for each pixel, in a buffer of at most 128 MiB.
+    for (size, fits) in [([64, 36], true), ([2048, 1200], false), ([64, 36], true)] {
+        let settings = Settings { size, ..settings(&scene, moved(&scene, 0.0), 1, 1) };
+        let frame = sequence.render(&scene, &settings).expect("a picture");
+        assert_eq!(frame.reconstructed == frame.noisy, !fits, "{size:?}");
+    }
+}
+
 fn a_still_picture_of_many_samples_is_not_altered() {
     let scene = room();
     let mut sequence = sequence();
@@ -314,11 +349,12 @@ fn both_backends_follow_a_growing_ball(renderers: &mut [Renderer; 2]) {
 }
 
 tests! {
-    on_each_backend: [sizes_jumps_and_cuts_leave_finite_pictures],
+    on_each_backend: [sizes_jumps_and_cuts_leave_finite_pictures, rejected_samples_leave_no_trail],
     on_both_backends: [
         both_backends_reconstruct_alike,
         both_backends_filter_facets_alike,
         both_backends_follow_a_growing_ball,
+        pictures_that_do_not_fit_are_shown_as_they_are,
     ],
     plain: [
         a_moving_picture_is_clean_and_keeps_its_energy,

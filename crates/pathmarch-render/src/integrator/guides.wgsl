@@ -112,7 +112,8 @@ fn store_guide(pixel: u32, radiance: vec3f) {
     stored.depth = 0.0;
     if guide.alpha > 0.0 {
         // Rejected samples have no light at all.
-        let reflected = reflected_light(radiance) * select(vec4f(0.0, 0.0, 0.0, 1.0), vec4f(1.0), any(radiance != vec3f(0.0)));
+        var reflected = reflected_light(radiance);
+        reflected = vec4f(select(vec3f(0.0), reflected.xyz, any(radiance != vec3f(0.0))), reflected.w);
         let of_facets = luminance(reflected.xyz / reflection_divisor(guide));
         stored.reflected = reflected.xyz;
         stored.reflected_square = of_facets * of_facets;
