@@ -1,5 +1,5 @@
 // import: reconstruct/pass
-// All light but that of facets, as the spatial filter sees it. Twin of `Layer::Base` in spatial.rs.
+// All light but that of facets, as the spatial filter sees it. Twin of the base in spatial.rs.
 
 /// True if a pixel has such light.
 fn is_in_layer(guide: Guide) -> bool {

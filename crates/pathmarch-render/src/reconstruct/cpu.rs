@@ -4,7 +4,6 @@
 
 use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
 use super::motion::{EarlierPoints, Motion};
-use super::spatial::Layer;
 use super::temporal::{History, PixelMean, Samples};
 use super::{
     BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
@@ -116,17 +115,11 @@ impl CpuReconstruction {
             false => Vec::new(),
         };
         clock.ends("reflections");
-        let filtered = |means: &[PixelMean], layer: Layer| match options.spatial_filter {
-            true => spatial::filter(&history, means, layer, settles(samples)),
-            false => {
-                means.iter().zip(guides.iter()).map(|(mean, guide)| mean.irradiance * layer.divisor(guide)).collect()
-            }
+        let facets = has_facets.then_some((reflections.as_slice(), images.as_slice()));
+        let clean = match options.spatial_filter {
+            true => spatial::filter(&history, facets, settles(samples)),
+            false => unfiltered(&history, &reflections),
         };
-        let mut clean = filtered(&history.means, Layer::Base);
-        if has_facets {
-            let facets = filtered(&reflections, Layer::Facets(&images));
-            clean.iter_mut().zip(facets).for_each(|(clean, facets)| *clean += facets);
-        }
         clock.ends("spatial filter");
         let last = past.filter(|_| options.antialiasing);
         let last = last.map(|past| Last {
@@ -178,6 +171,16 @@ impl CpuReconstruction {
         };
         Some((0..size[0] * size[1]).flat_map(code).collect())
     }
+}
+
+/// Radiance of the means of a history and of the light of facets, if there is any.
+fn unfiltered(history: &History, reflections: &[PixelMean]) -> Vec<Vec3> {
+    let radiance = |(index, mean): (usize, &PixelMean)| {
+        let guide = &history.guides[index];
+        let of_facets = reflections.get(index).map_or(Vec3::ZERO, |mean| mean.irradiance * guide.reflection_divisor());
+        mean.irradiance * guide.divisor() + of_facets
+    };
+    history.means.iter().enumerate().map(radiance).collect()
 }
 
 /// Squared difference between a picture and the means of its film in luminance of the irradiance, and the variance of these

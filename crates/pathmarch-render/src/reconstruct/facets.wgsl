@@ -1,5 +1,5 @@
 // import: reconstruct/pass
-// Light of facets, as the spatial filter sees it. Twin of `Layer::Facets` in spatial.rs.
+// Light of facets, as the spatial filter sees it. Twin of `Reaches` in spatial.rs.
 
 /// True if a pixel has such light.
 fn is_in_layer(guide: Guide) -> bool {

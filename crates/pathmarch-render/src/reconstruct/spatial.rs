@@ -58,55 +58,11 @@ impl Surfaces {
     }
 }
 
-/// Light that is filtered by itself.
-#[derive(Clone, Copy)]
-pub(super) enum Layer<'a> {
-    /// All but that of [`Facets`](Self::Facets).
-    Base,
-    /// What the facets of glossy surfaces reflect, and its images.
-    Facets(&'a [Image]),
-}
-
 /// Planes of the surfaces: position, pixel, normal, seen normal, surface.
 struct SurfacePlanes(Planes<11>);
 
-impl Layer<'_> {
-    /// Factor between the radiance of this light and what is filtered.
-    pub(super) fn divisor(self, guide: &Guide) -> Vec3 {
-        match self {
-            Self::Base => guide.divisor(),
-            Self::Facets(_) => guide.reflection_divisor(),
-        }
-    }
-}
-
-/// Surfaces, and the reach of each pixel's reflection.
-struct ComparedSurfaces {
-    surfaces: SurfacePlanes,
-    reaches: Option<Planes<1>>,
-}
-
-impl ComparedSurfaces {
-    #[inline(always)]
-    fn at(&self, place: Place) -> Surfaces {
-        self.surfaces.at(place)
-    }
-
-    /// Similarity of pixels, see [`Surfaces::similarity`], as parts of one reflection.
-    #[inline(always)]
-    fn similarity(&self, [a, b]: [&Surfaces; 2], [here, there]: [Place; 2], distance: f32) -> f32x8 {
-        let similarity = a.similarity(b, distance);
-        let Some(reaches) = &self.reaches else { return similarity };
-        let ([ax, ay, az], [bx, by, bz]) = (a.position, b.position);
-        let apart = [ax - bx, ay - by, az - bz];
-        let reach = reaches.load(0, here).min(reaches.load(0, there)) + a.pixel.max(b.pixel);
-        let share = f32x8::ONE - (dot(apart, apart) / (reach * reach));
-        similarity * share.max(f32x8::ZERO)
-    }
-}
-
 impl SurfacePlanes {
-    fn new(grid: Grid, guides: &[Guide], layer: Layer, pixel: f32, settles: bool) -> Self {
+    fn new(grid: Grid, guides: &[Guide], pixel: f32, settles: bool) -> Self {
         let mut margin = [0.0; 11];
         (margin[3], margin[10]) = (1.0, UNFILTERED);
         Self(Planes::new(grid, margin, |index| {
@@ -115,7 +71,6 @@ impl SurfacePlanes {
                 GuideClass::Sky | GuideClass::Emitter => UNFILTERED,
                 // The mean of several surfaces is that of none.
                 _ if settles && guide.is_mixed => UNFILTERED,
-                _ if matches!(layer, Layer::Facets(_)) && !guide.has_facets() => UNFILTERED,
                 GuideClass::Surface => (2 * guide.object) as f32,
                 // Pixels of glass share light if they show one object.
                 GuideClass::Glass => (2 * guide.seen_object + 1) as f32,
@@ -130,6 +85,36 @@ impl SurfacePlanes {
     fn at(&self, place: Place) -> Surfaces {
         let [px, py, pz, pixel, nx, ny, nz, sx, sy, sz, surface] = self.0.lanes(place);
         Surfaces { position: [px, py, pz], pixel, normal: [nx, ny, nz], seen_normal: [sx, sy, sz], surface }
+    }
+}
+
+/// Largest distances at which the light of facets is shared, metres, see [`Image::reach`]; [`NO_FACETS`] where there are none.
+struct Reaches(Planes<1>);
+
+/// Reach of pixels without facets.
+const NO_FACETS: f32 = -1.0;
+
+impl Reaches {
+    fn new(grid: Grid, guides: &[Guide], images: &[Image]) -> Self {
+        let reach = |index: usize| if guides[index].has_facets() { images[index].reach } else { NO_FACETS };
+        Self(Planes::new(grid, [NO_FACETS], |index| [reach(index)]))
+    }
+
+    /// True if one of eight pixels has facets.
+    #[inline(always)]
+    fn has_any(&self, place: Place) -> bool {
+        self.0.load(0, place).simd_ge(f32x8::ZERO).any()
+    }
+
+    /// Weights of pairs of pixels as parts of one reflection; the same for both.
+    #[inline(always)]
+    fn shares(&self, [a, b]: [&Surfaces; 2], [here, there]: [Place; 2]) -> f32x8 {
+        let ([ax, ay, az], [bx, by, bz]) = (a.position, b.position);
+        let apart = [ax - bx, ay - by, az - bz];
+        let least = self.0.load(0, here).min(self.0.load(0, there));
+        let reach = least + a.pixel.max(b.pixel);
+        let share = f32x8::ONE - dot(apart, apart) / (reach * reach);
+        least.simd_ge(f32x8::ZERO) & share.max(f32x8::ZERO)
     }
 }
 
@@ -153,16 +138,33 @@ struct Tap {
 }
 
 impl PairWeights {
-    fn new(grid: Grid, surfaces: &ComparedSurfaces, step: i32) -> Self {
+    fn new(grid: Grid, surfaces: &SurfacePlanes, step: i32) -> Self {
         let similarities = Planes::of_eight(grid, |place| {
             let surface = surfaces.at(place);
             let mut similarities = [f32x8::ZERO; 4];
-            if !surface.surface.simd_ge(f32x8::ZERO).any() {
-                return similarities;
-            }
             for (([dx, dy], _), similarity) in HALF_OF_TAPS.into_iter().zip(&mut similarities) {
                 if let Some(other) = place.moved(grid, step * dx, step * dy) {
-                    *similarity = surfaces.similarity([&surface, &surfaces.at(other)], [place, other], step as f32);
+                    *similarity = surface.similarity(&surfaces.at(other), step as f32);
+                }
+            }
+            similarities
+        });
+        Self { step, similarities }
+    }
+
+    /// Weights for the light of facets.
+    fn of_facets(&self, grid: Grid, surfaces: &SurfacePlanes, reaches: &Reaches) -> Self {
+        let step = self.step;
+        let similarities = Planes::of_eight(grid, |place| {
+            let mut similarities = [f32x8::ZERO; 4];
+            if !reaches.has_any(place) {
+                return similarities;
+            }
+            let surface = surfaces.at(place);
+            for (k, (([dx, dy], _), similarity)) in HALF_OF_TAPS.into_iter().zip(&mut similarities).enumerate() {
+                if let Some(other) = place.moved(grid, step * dx, step * dy) {
+                    let share = reaches.shares([&surface, &surfaces.at(other)], [place, other]);
+                    *similarity = self.similarities.load(k, place) * share;
                 }
             }
             similarities
@@ -185,33 +187,51 @@ impl PairWeights {
     }
 }
 
-/// Filtered radiance; `settles` if the film has samples enough to show edges.
-pub(super) fn filter(history: &History, means: &[PixelMean], layer: Layer, settles: bool) -> Vec<Vec3> {
+/// Filtered radiance of the means of a history, and of those of the light of facets with their images if there is any;
+/// `settles` if the film has samples enough to show edges.
+pub(super) fn filter(history: &History, facets: Option<(&[PixelMean], &[Image])>, settles: bool) -> Vec<Vec3> {
     let grid = Grid::new(history.frame.size());
-    let surfaces = SurfacePlanes::new(grid, &history.guides, layer, history.frame.pixel, settles);
-    let reaches = match layer {
-        Layer::Base => None,
-        Layer::Facets(images) => Some(Planes::new(grid, [1.0], |index| [images[index].reach])),
-    };
-    let surfaces = &ComparedSurfaces { surfaces, reaches };
-    let first = first_estimates(grid, means, surfaces);
+    let surfaces = &SurfacePlanes::new(grid, &history.guides, history.frame.pixel, settles);
     let mut weights = PairWeights::new(grid, surfaces, STEPS[0]);
-    let mut estimates = Estimates::of_eight(grid, |place| with_smooth_variance(grid, &weights, &first, place));
+    let start = |weights: &PairWeights, means: &[PixelMean], reaches: Option<&Reaches>| {
+        let first = first_estimates(grid, means, surfaces, reaches);
+        Estimates::of_eight(grid, |place| with_smooth_variance(grid, weights, &first, place))
+    };
+    let mut base = start(&weights, &history.means, None);
+    let mut facets = facets.map(|(means, images)| {
+        let reaches = Reaches::new(grid, &history.guides, images);
+        (start(&weights.of_facets(grid, surfaces, &reaches), means, Some(&reaches)), reaches)
+    });
     for step in STEPS {
         if step != weights.step {
             weights = PairWeights::new(grid, surfaces, step);
         }
-        estimates = Estimates::of_eight(grid, |place| filtered(grid, &weights, &estimates, place));
+        base = Estimates::of_eight(grid, |place| filtered(grid, &weights, &base, place));
+        if let Some((estimates, reaches)) = &mut facets {
+            let weights = weights.of_facets(grid, surfaces, reaches);
+            *estimates = Estimates::of_eight(grid, |place| match reaches.has_any(place) {
+                true => filtered(grid, &weights, estimates, place),
+                false => [f32x8::ZERO; 4],
+            });
+        }
     }
     let mut colours = vec![Vec3::ZERO; history.guides.len()];
     let rows = colours.par_chunks_mut(grid.width as usize).zip(history.guides.par_chunks(grid.width as usize));
     rows.enumerate().with_min_len(8).for_each(|(row, (colours, guides))| {
-        let [r, g, b] = [0, 1, 2].map(|k| estimates.row(grid, k, row));
+        let (base, facets) =
+            (colours_of(grid, &base, row), facets.as_ref().map(|(facets, _)| colours_of(grid, facets, row)));
         for (x, (colour, guide)) in colours.iter_mut().zip(guides).enumerate() {
-            *colour = Vec3::new(r[x], g[x], b[x]) * layer.divisor(guide);
+            let of_facets = facets.as_ref().map_or(Vec3::ZERO, |facets| facets(x) * guide.reflection_divisor());
+            *colour = base(x) * guide.divisor() + of_facets;
         }
     });
     colours
+}
+
+/// Irradiance of the pixels of a row.
+fn colours_of(grid: Grid, estimates: &Estimates, row: usize) -> impl Fn(usize) -> Vec3 + '_ {
+    let [r, g, b] = [0, 1, 2].map(|k| estimates.row(grid, k, row));
+    move |x| Vec3::new(r[x], g[x], b[x])
 }
 
 /// One pass at eight pixels.
@@ -258,21 +278,33 @@ fn lane_luminance([r, g, b, _]: [f32x8; 4]) -> f32x8 {
 }
 
 /// Means of the history and their variances. That of a young history is taken from its neighbours on the same surface.
-fn first_estimates(grid: Grid, pixel_means: &[PixelMean], surfaces: &ComparedSurfaces) -> Estimates {
+fn first_estimates(
+    grid: Grid,
+    pixel_means: &[PixelMean],
+    surfaces: &SurfacePlanes,
+    reaches: Option<&Reaches>,
+) -> Estimates {
     let means = Planes::new(grid, [0.0; 6], |index| {
         let PixelMean { irradiance: Vec3 { x: r, y: g, z: b }, length, moments: [mean, square], .. } =
             pixel_means[index];
         [r, g, b, mean, square, length]
     });
     Estimates::of_eight(grid, |place| {
+        if reaches.is_some_and(|reaches| !reaches.has_any(place)) {
+            return [f32x8::ZERO; 4];
+        }
         let [r, g, b, mut mean, mut square, length] = means.lanes(place);
         let surface = surfaces.at(place);
         let is_young = length.simd_lt(f32x8::splat(TRUSTED_SAMPLES));
         if is_young.any() {
             let (mut means_around, mut squares_around, mut total) = (mean, square, f32x8::ONE);
             for other in square_around(VARIANCE_RADIUS).filter_map(|(dx, dy)| place.moved(grid, dx, dy)) {
-                let weight =
-                    surfaces.similarity([&surface, &surfaces.at(other)], [place, other], VARIANCE_RADIUS as f32);
+                let there = surfaces.at(other);
+                let similarity = surface.similarity(&there, VARIANCE_RADIUS as f32);
+                let weight = match reaches {
+                    Some(reaches) => similarity * reaches.shares([&surface, &there], [place, other]),
+                    None => similarity,
+                };
                 means_around += means.load(3, other) * weight;
                 squares_around += means.load(4, other) * weight;
                 total += weight;
@@ -297,7 +329,7 @@ mod tests {
             let (length, seen_object, class) = (4.0 + x, object, GuideClass::Surface);
             let guide =
                 Guide { position, normal, seen_normal: normal, length, object, seen_object, class, ..Guide::NONE };
-            SurfacePlanes::new(Grid::new([1, 1]), &[guide], Layer::Base, 0.01, false).at(Place::new(0, 0))
+            SurfacePlanes::new(Grid::new([1, 1]), &[guide], 0.01, false).at(Place::new(0, 0))
         };
         let similarity = |a: &Surfaces, b: &Surfaces| a.similarity(b, 1.0).to_array()[0];
         let tilted = Vec3::new(0.2, 1.0, 0.0).normalize();
