@@ -21,6 +21,8 @@ mod antialiasing;
 mod cpu;
 mod fireflies;
 mod gpu;
+mod gpu_buffers;
+mod gpu_passes;
 mod motion;
 mod planes;
 mod reflections;
