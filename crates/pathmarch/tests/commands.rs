@@ -306,11 +306,10 @@ fn sequences_are_denoised() {
     let denoiser = |name: &str| file(name).provenance.expect("of an EXR file").denoiser.expect("denoised");
     render("joined-#.exr", &["--frames", "1-4"]);
     render("apart-#.exr", &["--frames", "1-4", "--denoise-temporal", "off"]);
-    assert_eq!(["joined-1.exr", "joined-2.exr", "apart-2.exr"].map(denoiser), [
-        "regression",
-        "regression, temporal",
-        "regression"
-    ]);
+    assert_eq!(
+        ["joined-1.exr", "joined-2.exr", "apart-2.exr"].map(denoiser),
+        ["regression", "regression, temporal", "regression"]
+    );
     assert!(file("joined-1.exr").picture == file("apart-1.exr").picture, "the first frame is a still");
     assert!(file("joined-2.exr").picture != file("apart-2.exr").picture);
     // Frames wait for each other, however many there are at a time.

@@ -65,6 +65,30 @@ pub struct PixelFeatures {
     pub squared_spread: f32,
     /// Leaf of the surface that all rays reach.
     pub(super) leaf: SeenLeaf,
+    /// Surface next to the camera.
+    pub(super) front: Option<FrontPoint>,
+}
+
+/// First point of a camera ray on a surface of any kind.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FrontPoint {
+    /// Position in world space, metres.
+    pub(super) position: Vec3,
+    /// Unit normal on the side of the camera.
+    pub(super) normal: Vec3,
+    /// Distance from the camera, metres.
+    pub(super) length: f32,
+    pub(super) leaf: u32,
+}
+
+impl FrontPoint {
+    /// The nearer of two points.
+    pub(super) fn nearer(a: Option<Self>, b: Option<Self>) -> Option<Self> {
+        match (a, b) {
+            (Some(a), Some(b)) => Some(if b.length < a.length { b } else { a }),
+            (a, b) => a.or(b),
+        }
+    }
 }
 
 /// Leaf of the surfaces that camera rays reach.
@@ -102,6 +126,7 @@ impl std::ops::AddAssign for PixelFeatures {
             self.squared_spread += apart.length_squared() * count;
         }
         self.leaf = self.leaf.joined(other.leaf);
+        self.front = FrontPoint::nearer(self.front, other.front);
         self.image += other.image;
         self.albedo += other.albedo;
         self.emission += other.emission;
@@ -271,6 +296,11 @@ fn scattered(
     sums: &mut [PixelFeatures],
 ) -> Option<Walk> {
     let &SurfaceInteraction { p, normal, inside, normal_offset, .. } = interaction;
+    if surface_index == 0 {
+        let point = FrontPoint { position: p, normal, length: walk.length, leaf: interaction.leaf as u32 };
+        let front = &mut sums[walk.slot].front;
+        *front = FrontPoint::nearer(*front, Some(point));
+    }
     let leaf = &ctx.scene.leaves[interaction.leaf];
     let material = &ctx.scene.materials[leaf.material as usize];
     if material.emits() {
@@ -306,6 +336,7 @@ fn scattered(
                 0 => SeenLeaf::Direct(interaction.leaf as u32),
                 _ => SeenLeaf::Indirect(interaction.leaf as u32),
             },
+            front: None,
         };
         return None;
     }

@@ -6,7 +6,7 @@
 //! of the features are fitted through windows, first small ones, then large ones whose weights compare the result of
 //! the first. (6) `residual`: what the filter has removed and both halves show is no noise, and is added back; so is the
 //! mean over large squares, so that no light is lost. (7) `temporal`: in a sequence, the irradiance is averaged with that
-//! of the frame before at the same points. (8) `compose`: back to radiance. All of it runs on the CPU, whichever backend
+//! of the frame before at the same points, and `front` does so at edges. (8) `compose`: back to radiance. All of it runs on the CPU, whichever backend
 //! has rendered the picture.
 //!
 //! **Source.** Bitterli et al. 2016, "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings";
@@ -20,6 +20,7 @@
 
 mod compose;
 pub mod features;
+mod front;
 mod grid;
 pub mod halves;
 mod normal_equations;
@@ -35,6 +36,7 @@ pub use crate::output::half_films::HalfFilms;
 use crate::output::half_films::Means;
 use crate::output::image::Picture;
 pub use features::Features;
+use front::Composed;
 use glam::Vec3;
 pub use halves::HalfBuffers;
 pub use oidn::LIBRARY_VARIABLE;
@@ -202,9 +204,12 @@ fn regression(samples: &HalfFilms, features: &Features, past: Option<&Past>) -> 
     let filtered = Filtered { signal: &signal, features, halves: &halves, irradiance };
     let joined = temporal::joined(filtered, past);
     let mut colours = compose::composed(&signal, features, &joined.irradiance);
+    let composed = Composed { signal: &signal, features, halves: &halves, joined: &joined };
+    let fronts = front::joined(&composed, &mut colours, past);
+    compose::keep_energy(&signal, &mut colours);
     let share = filtered_share(&samples.means());
     colours.par_iter_mut().zip(&signal.radiance).for_each(|(colour, sample)| *colour = sample.lerp(*colour, share));
-    (colours, Past::new(signal, features, joined))
+    (colours, Past::new(signal, features, joined, fronts))
 }
 
 /// Share of the filtered picture in the result: 0 for a picture with so little noise that the filter may only harm it, 1

@@ -11,11 +11,13 @@
 //! **Source.** Reprojection with validated points: Schied et al. 2017, "Spatiotemporal Variance-Guided Filtering";
 //! weights by estimated errors of filtered halves: Rousselle, Knaus, Zwicker 2012; interpolation: Catmull and Rom 1974.
 //!
-//! **Limits.** Pixels whose rays reach several places have no past: edges, glass that mirrors, blur of lens and motion.
+//! **Limits.** Pixels whose rays reach several places are those of [`front`](super::front): edges, glass, blur of lens and
+//! motion.
 //!
 //! **Cost.** See `docs/denoising.md`; memory of [`Past`], about 80 bytes a pixel, and the scene of one frame.
 
 use super::features::{Features, PixelFeatures, SeenLeaf, View};
+use super::front::Fronts;
 use super::signal::{PixelClass, Signal, Surface, mean_channel};
 use crate::integrator::guides::{Guide, NO_LEAF};
 use crate::reconstruct::{EarlierPoint, EarlierPoints, Motion, Projection, catmull_rom};
@@ -43,13 +45,13 @@ const MIRROR_STEPS: u32 = 4;
 /// Least squared length of the mean normal of the rays of a pixel that reach one place.
 const MIN_COMMON_NORMAL: f32 = 0.9;
 /// Half the side of the square in which errors are estimated, pixels.
-const ERROR_RADIUS: usize = 2;
+const ERROR_RADIUS: usize = 3;
 /// Squared error of a pixel by itself above which it counts more than that of the square, in variances of the frame.
-const OWN_ERROR: f32 = 0.5;
+const OWN_ERROR: f32 = 4.0;
 /// Least variance of the past, in variances of the frame.
-const MIN_PAST_VARIANCE: f32 = 0.1;
+pub(super) const MIN_PAST_VARIANCE: f32 = 0.06;
 /// Standard deviations of the frame by which the past may be beyond its nine pixels around the point.
-const REACH: f32 = 0.3;
+const REACH: f32 = 0.1;
 
 /// Filtered frame.
 pub(super) struct Filtered<'a> {
@@ -65,28 +67,37 @@ pub(super) struct Joined {
     pub(super) irradiance: Vec<Vec3>,
     /// Estimated variance of the irradiance, mean of the channels.
     variances: Vec<f32>,
-    is_one_place: Vec<bool>,
+    pub(super) is_one_place: Vec<bool>,
 }
 
 /// A frame as the next one reads it.
 #[derive(Clone, Debug)]
 pub(super) struct Past {
-    view: View,
-    size: [usize; 2],
+    pub(super) view: View,
+    pub(super) size: [usize; 2],
     surfaces: Vec<Surface>,
     /// True for pixels whose rays reach one place.
     is_one_place: Vec<bool>,
     irradiance: Vec<Vec3>,
     /// Estimated variances of the irradiance.
     variances: Vec<f32>,
+    pub(super) fronts: Fronts,
 }
 
 impl Past {
     /// Past of the frame that comes next.
-    pub(super) fn new(signal: Signal, features: &Features, joined: Joined) -> Self {
+    pub(super) fn new(signal: Signal, features: &Features, joined: Joined, fronts: Fronts) -> Self {
         let Joined { irradiance, variances, is_one_place } = joined;
         let size = [signal.grid.width, signal.grid.height];
-        Self { view: features.view.clone(), size, surfaces: signal.surfaces, is_one_place, irradiance, variances }
+        Self {
+            view: features.view.clone(),
+            size,
+            surfaces: signal.surfaces,
+            is_one_place,
+            irradiance,
+            variances,
+            fronts,
+        }
     }
 }
 
@@ -145,7 +156,7 @@ pub(super) fn joined(frame: Filtered, past: Option<&Past>) -> Joined {
 }
 
 /// Least and largest values of the nine pixels around one.
-fn limits(values: &[Vec3], [width, height]: [usize; 2], index: usize) -> [Vec3; 2] {
+pub(super) fn limits(values: &[Vec3], [width, height]: [usize; 2], index: usize) -> [Vec3; 2] {
     let (x, y) = (index % width, index / width);
     let [mut least, mut most] = [values[index]; 2];
     for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
