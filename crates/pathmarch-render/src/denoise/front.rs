@@ -9,7 +9,7 @@
 
 use super::features::{Features, FrontPoint};
 use super::signal::{PixelClass, Signal, mean_channel};
-use super::temporal::{Joined, MIN_PAST_VARIANCE, Past, limits};
+use super::temporal::{Joined, MIN_PAST_VARIANCE, Past, bounded, limits};
 use crate::integrator::guides::Guide;
 use crate::reconstruct::{Motion, Projection, catmull_rom};
 use glam::Vec3;
@@ -42,7 +42,7 @@ pub(super) struct Composed<'a> {
 }
 
 /// Averages the colours of pixels whose rays reach several places with the frame before.
-pub(super) fn joined(frame: &Composed, colours: &mut [Vec3], past: Option<&Past>) -> Fronts {
+pub(super) fn joined(frame: &Composed, colours: &mut [Vec3], past: Option<(&Past, &Fronts)>) -> Fronts {
     let &Composed { signal, features, .. } = frame;
     let size = [signal.grid.width, signal.grid.height];
     let pairs = features.halves[0].par_iter().zip(&features.halves[1]);
@@ -52,11 +52,11 @@ pub(super) fn joined(frame: &Composed, colours: &mut [Vec3], past: Option<&Past>
     let weights: Vec<f32> = (0..colours.len()).into_par_iter().map(weight).collect();
     let square = |index: usize| {
         let [a, b] = frame.half_colours(index);
-        signal.share * (1.0 - signal.share) * mean_channel((a - b) * (a - b))
+        bounded(signal.share * (1.0 - signal.share) * mean_channel((a - b) * (a - b)))
     };
     let squares: Vec<f32> = (0..colours.len()).into_par_iter().map(square).collect();
     let mut variances = signal.grid.box_means(&squares, &weights, ERROR_RADIUS);
-    if let Some(past) = past.filter(|past| past.size == size && signal.has_two_halves()) {
+    if let Some(past) = past.filter(|(past, _)| past.size == size && signal.has_two_halves()) {
         frame.join(&fronts, past, colours, &mut variances);
     }
     Fronts { points, radiance: colours.to_vec(), variances }
@@ -84,17 +84,17 @@ impl Composed<'_> {
     }
 
     /// Averages the colours of pixels with these surfaces in front, and updates their variances.
-    fn join(&self, fronts: &[Option<FrontPoint>], past: &Past, colours: &mut [Vec3], variances: &mut [f32]) {
+    fn join(&self, fronts: &[Option<FrontPoint>], past: (&Past, &Fronts), colours: &mut [Vec3], variances: &mut [f32]) {
         let found = self.found(fronts, past);
         let product = |index: usize| {
             let Some((past, _)) = found[index] else { return 0.0 };
             let [a, b] = self.half_colours(index);
-            mean_channel((a - past) * (b - past))
+            bounded(mean_channel((a - past) * (b - past)))
         };
         let products: Vec<f32> = (0..found.len()).into_par_iter().map(product).collect();
         let weights: Vec<f32> = found.iter().map(|found| f32::from(u8::from(found.is_some()))).collect();
         let errors = self.signal.grid.box_means(&products, &weights, ERROR_RADIUS);
-        let (size, present) = (past.size, colours.to_vec());
+        let (size, present) = (past.0.size, colours.to_vec());
         colours.par_iter_mut().zip(variances).enumerate().for_each(|(index, (colour, variance))| {
             let Some((past, past_variance)) = found[index] else { return };
             let error = errors[index].max(past_variance).max(MIN_PAST_VARIANCE * *variance);
@@ -106,7 +106,7 @@ impl Composed<'_> {
     }
 
     /// Radiance and variance of the frame before at the places of all pixels; `None` where they have no past.
-    fn found(&self, fronts: &[Option<FrontPoint>], past: &Past) -> Vec<Option<(Vec3, f32)>> {
+    fn found(&self, fronts: &[Option<FrontPoint>], (past, past_fronts): (&Past, &Fronts)) -> Vec<Option<(Vec3, f32)>> {
         let guide = |front: &Option<FrontPoint>| match *front {
             Some(FrontPoint { position, normal, length, leaf }) => {
                 Guide { position, normal, length, leaf, ..Guide::NONE }
@@ -124,7 +124,7 @@ impl Composed<'_> {
             let pixel = [(index % past.size[0]) as f32, (index / past.size[0]) as f32];
             let place = std::array::from_fn(|k| pixel[k] + (there[k] - here[k]));
             let earlier = FrontPoint { position, ..front };
-            past.fronts.find(past.size, place, &earlier, front.length * self.features.pixel)
+            past_fronts.find(past.size, place, &earlier, front.length * self.features.pixel)
         };
         (0..fronts.len()).into_par_iter().map(find).collect()
     }

@@ -36,7 +36,7 @@ pub use crate::output::half_films::HalfFilms;
 use crate::output::half_films::Means;
 use crate::output::image::Picture;
 pub use features::Features;
-use front::Composed;
+use front::{Composed, Fronts};
 use glam::Vec3;
 pub use halves::HalfBuffers;
 pub use oidn::LIBRARY_VARIABLE;
@@ -119,7 +119,7 @@ impl Denoiser {
 /// and objects, where it shows the same points in the same light.
 #[derive(Debug, Default)]
 pub struct SequenceDenoiser {
-    past: Option<Past>,
+    past: Option<PastFrame>,
 }
 
 impl SequenceDenoiser {
@@ -149,6 +149,13 @@ impl SequenceDenoiser {
         self.past = Some(past);
         Ok(picture(samples, colours))
     }
+}
+
+/// A frame as the next one reads it.
+#[derive(Debug)]
+struct PastFrame {
+    points: Past,
+    fronts: Fronts,
 }
 
 /// Fails if samples and features are not of one picture.
@@ -189,7 +196,7 @@ pub enum DenoiseError {
 }
 
 /// Radiance denoised by regression, joined with the frame before if there is one; and what the next frame needs of it.
-fn regression(samples: &HalfFilms, features: &Features, past: Option<&Past>) -> (Vec<Vec3>, Past) {
+fn regression(samples: &HalfFilms, features: &Features, past: Option<&PastFrame>) -> (Vec<Vec3>, PastFrame) {
     let signal = Signal::new(samples, features);
     let limited = outliers::limited(&signal);
     // A single sample tells nothing of its noise, so that no pilot can guide a second stage.
@@ -202,14 +209,14 @@ fn regression(samples: &HalfFilms, features: &Features, past: Option<&Past>) -> 
     let mut halves = pilot.map_or(limited, Pilot::into_halves);
     let irradiance = residual::restored(&signal, &mut halves);
     let filtered = Filtered { signal: &signal, features, halves: &halves, irradiance };
-    let joined = temporal::joined(filtered, past);
+    let joined = temporal::joined(filtered, past.map(|past| &past.points));
     let mut colours = compose::composed(&signal, features, &joined.irradiance);
     let composed = Composed { signal: &signal, features, halves: &halves, joined: &joined };
-    let fronts = front::joined(&composed, &mut colours, past);
+    let fronts = front::joined(&composed, &mut colours, past.map(|past| (&past.points, &past.fronts)));
     compose::keep_energy(&signal, &mut colours);
     let share = filtered_share(&samples.means());
     colours.par_iter_mut().zip(&signal.radiance).for_each(|(colour, sample)| *colour = sample.lerp(*colour, share));
-    (colours, Past::new(signal, features, joined, fronts))
+    (colours, PastFrame { points: Past::new(signal, features, joined), fronts })
 }
 
 /// Share of the filtered picture in the result: 0 for a picture with so little noise that the filter may only harm it, 1

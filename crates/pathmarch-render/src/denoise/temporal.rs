@@ -14,10 +14,9 @@
 //! **Limits.** Pixels whose rays reach several places are those of [`front`](super::front): edges, glass, blur of lens and
 //! motion.
 //!
-//! **Cost.** See `docs/denoising.md`; memory of [`Past`], about 80 bytes a pixel, and the scene of one frame.
+//! **Cost.** See `docs/denoising.md`; memory of [`Past`], about 115 bytes a pixel, and the scene of one frame.
 
 use super::features::{Features, PixelFeatures, SeenLeaf, View};
-use super::front::Fronts;
 use super::signal::{PixelClass, Signal, Surface, mean_channel};
 use crate::integrator::guides::{Guide, NO_LEAF};
 use crate::reconstruct::{EarlierPoint, EarlierPoints, Motion, Projection, catmull_rom};
@@ -50,6 +49,8 @@ const ERROR_RADIUS: usize = 3;
 const OWN_ERROR: f32 = 4.0;
 /// Least variance of the past, in variances of the frame.
 pub(super) const MIN_PAST_VARIANCE: f32 = 0.06;
+/// Largest square of an error in sums.
+const MAX_SQUARE: f32 = 1e30;
 /// Standard deviations of the frame by which the past may be beyond its nine pixels around the point.
 const REACH: f32 = 0.1;
 
@@ -81,23 +82,14 @@ pub(super) struct Past {
     irradiance: Vec<Vec3>,
     /// Estimated variances of the irradiance.
     variances: Vec<f32>,
-    pub(super) fronts: Fronts,
 }
 
 impl Past {
     /// Past of the frame that comes next.
-    pub(super) fn new(signal: Signal, features: &Features, joined: Joined, fronts: Fronts) -> Self {
+    pub(super) fn new(signal: Signal, features: &Features, joined: Joined) -> Self {
         let Joined { irradiance, variances, is_one_place } = joined;
         let size = [signal.grid.width, signal.grid.height];
-        Self {
-            view: features.view.clone(),
-            size,
-            surfaces: signal.surfaces,
-            is_one_place,
-            irradiance,
-            variances,
-            fronts,
-        }
+        Self { view: features.view.clone(), size, surfaces: signal.surfaces, is_one_place, irradiance, variances }
     }
 }
 
@@ -134,7 +126,7 @@ pub(super) fn joined(frame: Filtered, past: Option<&Past>) -> Joined {
     let weights: Vec<f32> = found.par_iter().map(|found| f32::from(u8::from(found.is_some()))).collect();
     let product = |index: usize| {
         let Some(found) = found[index] else { return 0.0 };
-        mean_channel((halves[0][index] - found.irradiance) * (halves[1][index] - found.irradiance))
+        bounded(mean_channel((halves[0][index] - found.irradiance) * (halves[1][index] - found.irradiance)))
     };
     let products: Vec<f32> = (0..found.len()).into_par_iter().map(product).collect();
     let mean_errors = signal.grid.box_means(&products, &weights, ERROR_RADIUS);
@@ -155,6 +147,11 @@ pub(super) fn joined(frame: Filtered, past: Option<&Past>) -> Joined {
     Joined { irradiance, variances, is_one_place: pixels.is_one_place }
 }
 
+/// Square of an error, small enough for sums; 0 if it is not a number.
+pub(super) fn bounded(square: f32) -> f32 {
+    if square.is_nan() { 0.0 } else { square.clamp(-MAX_SQUARE, MAX_SQUARE) }
+}
+
 /// Least and largest values of the nine pixels around one.
 pub(super) fn limits(values: &[Vec3], [width, height]: [usize; 2], index: usize) -> [Vec3; 2] {
     let (x, y) = (index % width, index / width);
@@ -172,7 +169,7 @@ pub(super) fn limits(values: &[Vec3], [width, height]: [usize; 2], index: usize)
 fn own_variances(signal: &Signal, halves: &[Vec<Vec3>; 2]) -> Vec<f32> {
     let both = halves[0].par_iter().zip(&halves[1]);
     let share = signal.share * (1.0 - signal.share);
-    let squares: Vec<f32> = both.map(|(a, b)| share * mean_channel((*a - *b) * (*a - *b))).collect();
+    let squares: Vec<f32> = both.map(|(a, b)| bounded(share * mean_channel((*a - *b) * (*a - *b)))).collect();
     signal.grid.box_means(&squares, &signal.weights, ERROR_RADIUS)
 }
 
