@@ -6,7 +6,7 @@ use pathmarch_render::metrics::{block_means, relmse};
 use pathmarch_render::pathmarch_scene::{Camera, Scene};
 use pathmarch_render::reconstruct::{Frame, ReconstructOptions, Sequence};
 use pathmarch_render::{Renderer, Settings};
-use pathmarch_testing::{plain, tests};
+use pathmarch_testing::{ignore, plain, tests};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [96, 54];
@@ -166,6 +166,41 @@ fn sizes_jumps_and_cuts_leave_finite_pictures(renderer: &Renderer) {
     }
 }
 
+fn rejected_samples_leave_no_trail(renderer: &Renderer) {
+    // The sum of both lamps is no number.
+    let text = GLOSSY_ROOM.replace("object \"floor\"", "material \"sun\" { emit 3e38 }\n\
+        object \"suns\" material=\"sun\" { union { sphere 0.2 { at 0.5 1.5 0 }; sphere 0.2 { at 1 1.5 0 } } }\nobject \"floor\"");
+    let [scene, dark] = [Arc::new(parse(&text)), Arc::new(parse(&text.replace("3e38", "0.01")))];
+    let mut sequence = Sequence::new(renderer, ReconstructOptions::default());
+    let mut rejected = 0;
+    for frame in 0..8 {
+        let scene = if frame < 4 { &scene } else { &dark };
+        let shown = next(&mut sequence, scene, moved(scene, 0.02 * frame as f32), frame);
+        rejected += shown.noisy.pixels.iter().flatten().filter(|channel| !channel.is_finite()).count();
+        let finite = |picture: &Picture| picture.pixels.iter().flatten().all(|channel| channel.is_finite());
+        assert!(finite(&shown.noisy) && finite(&shown.reconstructed), "{frame}");
+        if frame == 7 {
+            let brightest = shown.reconstructed.pixels.iter().flatten().copied().fold(0.0, f32::max);
+            assert!(brightest < 20.0, "{brightest}");
+        }
+    }
+    assert_eq!(rejected, 0);
+}
+
+fn pictures_that_do_not_fit_are_shown_as_they_are([_, renderer]: &mut [Renderer; 2]) {
+    if !renderer.backend().adapter.contains("llvmpipe") {
+        ignore("only Mesa's software device is known to have buffers of at most 128 MiB");
+    }
+    let scene = room();
+    let mut sequence = Sequence::new(renderer, ReconstructOptions::default());
+    // Guides of 64 bytes for each pixel, in a buffer of at most 128 MiB.
+    for (size, fits) in [([64, 36], true), ([2048, 1200], false), ([64, 36], true)] {
+        let settings = Settings { size, ..settings(&scene, moved(&scene, 0.0), 1, 1) };
+        let frame = sequence.render(&scene, &settings).expect("a picture");
+        assert_eq!(frame.reconstructed == frame.noisy, !fits, "{size:?}");
+    }
+}
+
 fn a_still_picture_of_many_samples_is_not_altered() {
     let scene = room();
     let mut sequence = sequence();
@@ -204,6 +239,54 @@ fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
     let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
     println!("at rest: relMSE {error:.2e}");
     assert!(error < 1e-5, "{error}");
+}
+
+/// Glossy floor and a ball of rough metal under a lamp.
+const GLOSSY_ROOM: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 0.6 0; fov 30 }\nrender { bounces 2 }\n\
+    sky 0.1 0.1 0.15\nmaterial \"floor\" { principled 0.3 0.2 0.1; roughness 0.25 }\n\
+    material \"gold\" { metal 1 0.7 0.3; roughness 0.3 }\nmaterial \"lamp\" { emit 6 }\n\
+    object \"floor\" material=\"floor\" { rect 6 }\n\
+    object \"lamp\" material=\"lamp\" { rect 0.8 0.8 { at 0.2 1.1 -1.5; normal 0 0 1 } }\n\
+    object \"ball\" material=\"gold\" { sphere 0.4 { at -0.6 0.4 0.3 } }";
+
+fn both_backends_filter_facets_alike(renderers: &mut [Renderer; 2]) {
+    // After a reflection in a ball, rounding decides what single samples hit.
+    let scene = Arc::new(parse(&GLOSSY_ROOM.replace("sphere 0.4", "box 0.6 0.8 0.6")));
+    let plain = Arc::new(parse(ROOM));
+    let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
+    // In between, a scene without facets.
+    for frame in 0..10 {
+        let scene = if frame == 5 { &plain } else { &scene };
+        let settings = settings(scene, moved(scene, 0.04 * frame as f32), 1, frame);
+        let [a, b] = sequences.each_mut().map(|sequence| sequence.render(scene, &settings).expect("a picture"));
+        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        println!("frame {frame}: relMSE {error:.2e}");
+        assert!(error < 1e-4, "{frame}: {error}");
+    }
+    let settings = settings(&scene, moved(&scene, 0.36), 9, 8);
+    let [a, b] = sequences.each_mut().map(|sequence| sequence.render(&scene, &settings).expect("a picture"));
+    let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+    println!("at rest: relMSE {error:.2e}");
+    assert!(error < 1e-4, "{error}");
+}
+
+fn reflections_stay_where_they_are_while_the_camera_moves() {
+    let scene = Arc::new(parse(GLOSSY_ROOM));
+    let mut sequence = sequence();
+    let frames = (0..20).map(|frame| next(&mut sequence, &scene, moved(&scene, 0.05 * frame as f32), frame));
+    let last = frames.last().expect("a frame");
+    let reference = converged(&scene, moved(&scene, 0.95));
+    // The floor in front, with the reflection of the lamp.
+    let floor = |picture: &Picture| {
+        let pixels = (34..54).flat_map(|y| (20..80).filter_map(move |x| picture.get(x, y)));
+        Picture { width: 60, height: 20, pixels: pixels.collect() }
+    };
+    let [before, after] =
+        [&last.noisy, &last.reconstructed].map(|picture| relmse(&floor(picture), &floor(&reference)).expect("finite"));
+    let energy = mean(&floor(&last.reconstructed)) / mean(&floor(&reference));
+    println!("relMSE {before:.4} before, {after:.4} after; energy {energy:.4}");
+    assert!(after < 0.12 * before, "{before} {after}");
+    assert!((energy - 1.0).abs() < 0.08, "{energy}");
 }
 
 /// The room, with a ball of this radius.
@@ -266,8 +349,13 @@ fn both_backends_follow_a_growing_ball(renderers: &mut [Renderer; 2]) {
 }
 
 tests! {
-    on_each_backend: [sizes_jumps_and_cuts_leave_finite_pictures],
-    on_both_backends: [both_backends_reconstruct_alike, both_backends_follow_a_growing_ball],
+    on_each_backend: [sizes_jumps_and_cuts_leave_finite_pictures, rejected_samples_leave_no_trail],
+    on_both_backends: [
+        both_backends_reconstruct_alike,
+        both_backends_filter_facets_alike,
+        both_backends_follow_a_growing_ball,
+        pictures_that_do_not_fit_are_shown_as_they_are,
+    ],
     plain: [
         a_moving_picture_is_clean_and_keeps_its_energy,
         the_first_picture_is_clean_too,
@@ -275,6 +363,7 @@ tests! {
         nothing_stays_where_an_object_was,
         a_growing_ball_keeps_its_past,
         mirror_images_keep_their_past_while_the_camera_moves,
+        reflections_stay_where_they_are_while_the_camera_moves,
         light_that_is_switched_off_fades_at_once,
         a_still_picture_of_many_samples_is_not_altered,
     ],

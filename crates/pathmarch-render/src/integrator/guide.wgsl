@@ -1,4 +1,4 @@
-// Guides in memory: twelve 32-bit words for each pixel. Twin of `Guide` in guides.rs.
+// Guides in memory: sixteen 32-bit words for each pixel. Twin of `Guide` in guides.rs.
 
 /// Bit of a glossy surface beside the index of its object.
 const GLOSSY_BIT = 0x20000000u;
@@ -6,6 +6,9 @@ const GLOSSY_BIT = 0x20000000u;
 const MIXED_BIT = 0x80000000u;
 /// First bit of the class of a guide beside the index of its object.
 const CLASS_SHIFT = 30u;
+
+/// Bit of facets that reflect in the colour of the surface, beside it.
+const COLOURED_BIT = 0x40000000u;
 
 /// Guide of a pixel.
 struct Guide {
@@ -30,6 +33,12 @@ struct Guide {
     is_glossy: bool,
     /// True if the samples show several surfaces.
     is_mixed: bool,
+    /// Light that the facets of a glossy surface reflect, see reflected_light.rs.
+    reflected: vec3f,
+    reflected_square: f32,
+    depth: f32,
+    alpha: f32,
+    has_coloured_facets: bool,
 }
 
 /// Unit vector in two numbers from -1 to 1: an octahedral map (Meyer et al. 2010).
@@ -46,21 +55,37 @@ fn from_octahedral(flat: vec2f) -> vec3f {
     return normalize(vec3f(flat - select(vec2f(-overhang), vec2f(overhang), flat >= vec2f(0.0)), z));
 }
 
-fn packed_guide(guide: Guide) -> array<vec4u, 3> {
+/// Numbers from 0 to 1 of the facets of a guide in one word: the depth and the squared mean over the mean square in 12 bits
+/// each, the root of alpha in 8, which is 0 only without facets.
+fn packed_facets(guide: Guide) -> u32 {
+    let mean = luminance(guide.reflected / reflection_divisor(guide));
+    let ratio = select(1.0, clamp(mean * mean / guide.reflected_square, 0.0, 1.0), guide.reflected_square > 0.0);
+    let numbers = vec2u(vec2f(guide.depth, ratio) * 4095.0 + 0.5);
+    let roughness = select(0u, max(u32(sqrt(guide.alpha) * 255.0 + 0.5), 1u), guide.alpha > 0.0);
+    return numbers.x | (numbers.y << 12u) | (roughness << 24u);
+}
+
+/// Depth in packed facets.
+fn depth_of_facets(facets: u32) -> f32 {
+    return f32(facets & 4095u) / 4095.0;
+}
+
+fn packed_guide(guide: Guide) -> array<vec4u, 4> {
     let albedo = bitcast<vec3u>(guide.albedo);
-    return array<vec4u, 3>(
+    return array<vec4u, 4>(
         bitcast<vec4u>(vec4f(guide.position, guide.square)),
         vec4u(pack2x16snorm(octahedral(guide.normal)), pack2x16snorm(octahedral(guide.seen_normal)), albedo.xy),
         vec4u(
             guide.object | select(0u, GLOSSY_BIT, guide.is_glossy) | (guide.guide_class << CLASS_SHIFT),
-            guide.seen_object | select(0u, MIXED_BIT, guide.is_mixed),
+            guide.seen_object | select(0u, MIXED_BIT, guide.is_mixed) | select(0u, COLOURED_BIT, guide.has_coloured_facets),
             guide.leaf,
             albedo.z,
         ),
+        vec4u(bitcast<vec3u>(guide.reflected), packed_facets(guide)),
     );
 }
 
-fn unpacked_guide(words: array<vec4u, 3>) -> Guide {
+fn unpacked_guide(words: array<vec4u, 4>) -> Guide {
     let place = bitcast<vec4f>(words[0]);
     var guide: Guide;
     guide.position = place.xyz;
@@ -71,9 +96,17 @@ fn unpacked_guide(words: array<vec4u, 3>) -> Guide {
     guide.guide_class = words[2].x >> CLASS_SHIFT;
     guide.is_glossy = (words[2].x & GLOSSY_BIT) != 0u;
     guide.object = words[2].x & (GLOSSY_BIT - 1u);
-    guide.seen_object = words[2].y & (MIXED_BIT - 1u);
+    guide.seen_object = words[2].y & (COLOURED_BIT - 1u);
     guide.is_mixed = (words[2].y & MIXED_BIT) != 0u;
     guide.leaf = words[2].z;
+    guide.has_coloured_facets = (words[2].y & COLOURED_BIT) != 0u;
+    guide.reflected = bitcast<vec3f>(words[3].xyz);
+    let facets = words[3].w;
+    guide.depth = depth_of_facets(facets);
+    let roughness = f32(facets >> 24u) / 255.0;
+    guide.alpha = roughness * roughness;
+    let mean = luminance(guide.reflected / reflection_divisor(guide));
+    guide.reflected_square = mean * mean * 4095.0 / max(f32((facets >> 12u) & 4095u), 1.0);
     return guide;
 }
 
@@ -86,4 +119,9 @@ fn luminance(colour: vec3f) -> f32 {
 fn divisor(guide: Guide) -> vec3f {
     let is_divided = guide.guide_class == GUIDE_EMITTER || guide.guide_class == GUIDE_SURFACE;
     return select(vec3f(1.0), max(guide.albedo, vec3f(MIN_ALBEDO)), is_divided);
+}
+
+/// Factor between the radiance that facets reflect and what is filtered.
+fn reflection_divisor(guide: Guide) -> vec3f {
+    return select(vec3f(1.0), divisor(guide), guide.has_coloured_facets);
 }

@@ -5,6 +5,8 @@
 //! glass are its own, since a path takes one of its two ways by chance. The surface is that of the first sample of a
 //! pixel; the albedo is a mean over all of them, so that edges and textures are as smooth as the film.
 
+use super::path_state::Path;
+use super::reflected_light::{ReflectedLight, ReflectionRecorder};
 use crate::intersect::ray::Ray;
 use crate::scene::TraceContext;
 use crate::scene::light::luminance;
@@ -70,6 +72,8 @@ pub(crate) struct Guide {
     pub(crate) is_mixed: bool,
     /// True if the surface looks different from other directions.
     pub(crate) is_glossy: bool,
+    /// Light that the facets of a glossy surface reflect or refract; 0 elsewhere.
+    pub(crate) reflected: ReflectedLight,
     /// Index of the object; 0 for the sky.
     pub(crate) object: u32,
     /// Index of the object that is seen through glass; elsewhere the object itself.
@@ -90,6 +94,7 @@ impl Guide {
         class: GuideClass::Sky,
         is_mixed: false,
         is_glossy: false,
+        reflected: ReflectedLight::NONE,
         object: 0,
         seen_object: 0,
         leaf: NO_LEAF,
@@ -107,8 +112,12 @@ impl Guide {
 
     /// Guide of a sample with this radiance.
     pub(crate) fn of_sample(self, radiance: Vec3) -> Self {
-        let irradiance = luminance((radiance / self.divisor()).into());
-        Self { square: irradiance * irradiance, ..self }
+        // Rejected samples have no light at all.
+        let reflected = if radiance == Vec3::ZERO { Vec3::ZERO } else { self.reflected.radiance };
+        let [all, of_facets] =
+            [radiance / self.divisor(), reflected / self.reflection_divisor()].map(|light| luminance(light.into()));
+        let reflected = ReflectedLight { radiance: reflected, square: of_facets * of_facets, ..self.reflected };
+        Self { square: all * all, reflected, ..self }
     }
 
     /// Adds the guide of the sample of this index, from 1 on: the means change, the surface stays that of the first one.
@@ -118,6 +127,17 @@ impl Guide {
         self.is_mixed |= self.class != sample.class || self.object != sample.object || turned;
         self.albedo = self.albedo.lerp(sample.albedo, share);
         self.square += (sample.square - self.square) * share;
+        self.reflected.add(&sample.reflected, share);
+    }
+
+    /// True if the surface has facets whose light is recorded apart.
+    pub(crate) fn has_facets(&self) -> bool {
+        self.reflected.alpha > 0.0
+    }
+
+    /// Factor between the radiance that the facets reflect and what is filtered.
+    pub(crate) fn reflection_divisor(&self) -> Vec3 {
+        if self.reflected.is_coloured { self.divisor() } else { Vec3::ONE }
     }
 }
 
@@ -126,6 +146,8 @@ pub(crate) struct GuideRecorder {
     camera_rays: Vec<Ray>,
     guides: Vec<Guide>,
     states: Vec<State>,
+    /// Light of the facets of each guide's surface.
+    pub(super) reflections: ReflectionRecorder,
 }
 
 /// State of the recording of a path: the surface that it waits for.
@@ -151,7 +173,7 @@ impl GuideRecorder {
         };
         let guides = camera_rays.iter().map(sky).collect();
         let states = vec![State::Mirrored(Mat3::IDENTITY); camera_rays.len()];
-        Self { camera_rays, guides, states }
+        Self { reflections: ReflectionRecorder::new(camera_rays.len()), camera_rays, guides, states }
     }
 
     /// Ends the recording of the path in a slot.
@@ -159,15 +181,16 @@ impl GuideRecorder {
         self.states[slot] = State::Done;
     }
 
-    /// Records the surface that the path in a slot has reached with this throughput.
-    pub(crate) fn record(
+    /// Records the surface that a path has reached with this throughput.
+    pub(super) fn record(
         &mut self,
         ctx: &TraceContext,
-        slot: usize,
+        path: &Path,
         throughput: Vec3,
         interaction: &SurfaceInteraction,
         surface_index: u32,
     ) {
+        let slot = path.slot;
         let leaf = &ctx.scene.leaves[interaction.leaf];
         let material = &ctx.scene.materials[leaf.material as usize];
         let is_end = surface_index > ctx.frame.bounces && !material.emits();
@@ -216,14 +239,22 @@ impl GuideRecorder {
             class,
             is_mixed: false,
             is_glossy: is_glass || material.has(GLOSSY),
+            reflected: ReflectedLight::NONE,
             object,
             seen_object: object,
             leaf: if surface_index == 0 { interaction.leaf as u32 } else { NO_LEAF },
         };
+        if class == GuideClass::Surface && material.has(GLOSSY) {
+            self.reflections.begin(ctx, path, interaction);
+        }
     }
 
-    /// Guides of all paths.
-    pub(crate) fn into_guides(self) -> Vec<Guide> {
-        self.guides
+    /// Guides of all paths, which have these radiances.
+    pub(super) fn into_guides(self, radiance: &[Vec3]) -> Vec<Guide> {
+        let Self { mut guides, reflections, .. } = self;
+        for (slot, reflected) in reflections.into_lights(radiance) {
+            guides[slot].reflected = reflected;
+        }
+        guides
     }
 }

@@ -1,7 +1,7 @@
-// import: integrator/camera, integrator/guide, shading/surface_interaction
+// import: integrator/camera, integrator/guide, integrator/reflected_light, shading/surface_interaction
 // Recorder of guides. Twin of guides.rs.
 
-/// Guides of all pixels, three vectors each.
+/// Guides of all pixels, four vectors each.
 @group(0) @binding(10) var<storage, read_write> guides: array<vec4u>;
 
 /// The recorder waits for the first surface that is no mirror.
@@ -33,6 +33,8 @@ fn begin_guide(camera: Ray) {
     guide.is_mixed = false;
     guide.leaf = NO_LEAF;
     guide.is_glossy = false;
+    guide.alpha = 0.0;
+    facets_state = FACETS_DONE;
 }
 
 /// Reports whether the recorder waits for a surface.
@@ -87,6 +89,13 @@ fn record_guide(
     guide.seen_object = interaction.leaf;
     guide.leaf = select(NO_LEAF, interaction.leaf, surface_index == 0u);
     guide.is_glossy = is_glass || (flags & GLOSSY) != 0u;
+    if guide.guide_class == GUIDE_SURFACE && guide.is_glossy {
+        let m = leaves[interaction.leaf].material;
+        let facets = bsdf_facets(materials[m].kind, m);
+        guide.alpha = facets.x;
+        guide.has_coloured_facets = facets.y > 0.0;
+        begin_facets(length);
+    }
 }
 
 /// Stores the guide of a pixel whose sample has this radiance. The surface is that of the first sample, albedo and square
@@ -98,18 +107,36 @@ fn store_guide(pixel: u32, radiance: vec3f) {
     let irradiance = luminance(radiance / divisor(guide));
     var stored = guide;
     stored.square = irradiance * irradiance;
+    stored.reflected = vec3f(0.0);
+    stored.reflected_square = 0.0;
+    stored.depth = 0.0;
+    if guide.alpha > 0.0 {
+        // Rejected samples have no light at all.
+        var reflected = reflected_light(radiance);
+        reflected = vec4f(select(vec3f(0.0), reflected.xyz, any(radiance != vec3f(0.0))), reflected.w);
+        let of_facets = luminance(reflected.xyz / reflection_divisor(guide));
+        stored.reflected = reflected.xyz;
+        stored.reflected_square = of_facets * of_facets;
+        stored.depth = reflected.w;
+    }
     if slice.guide_samples > 1u {
-        let before = unpacked_guide(array<vec4u, 3>(guides[3u * pixel], guides[3u * pixel + 1u], guides[3u * pixel + 2u]));
+        let sample = stored;
+        let first = 4u * pixel;
+        let before = unpacked_guide(array<vec4u, 4>(guides[first], guides[first + 1u], guides[first + 2u], guides[first + 3u]));
         let share = 1.0 / f32(slice.guide_samples);
         let turned = dot(before.normal, guide.normal) < MIN_COMMON_COSINE && guide.guide_class != GUIDE_SKY;
         let differs = before.guide_class != guide.guide_class || before.object != guide.object;
         stored = before;
         stored.is_mixed = before.is_mixed || differs || turned;
         stored.albedo = mix(before.albedo, guide.albedo, share);
-        stored.square = mix(before.square, irradiance * irradiance, share);
+        stored.square = mix(before.square, sample.square, share);
+        let weights = vec2f(luminance(before.reflected) * (1.0 - share), luminance(sample.reflected) * share + 1e-9);
+        stored.depth = mix(before.depth, sample.depth, weights.y / (weights.x + weights.y));
+        stored.reflected = mix(before.reflected, sample.reflected, share);
+        stored.reflected_square = mix(before.reflected_square, sample.reflected_square, share);
     }
     let words = packed_guide(stored);
-    guides[3u * pixel] = words[0];
-    guides[3u * pixel + 1u] = words[1];
-    guides[3u * pixel + 2u] = words[2];
+    for (var k = 0u; k < 4u; k++) {
+        guides[4u * pixel + k] = words[k];
+    }
 }

@@ -20,6 +20,7 @@ pub(crate) mod path_reuse_choice;
 pub(crate) mod path_state;
 pub(crate) mod photons;
 mod probe;
+pub(crate) mod reflected_light;
 pub(crate) mod shadow;
 pub(crate) mod splitting;
 pub(crate) mod splitting_choice;

@@ -23,3 +23,12 @@ fn record_guide(
 
 /// Does nothing.
 fn store_guide(pixel: u32, radiance: vec3f) {}
+
+/// Does nothing.
+fn record_light_sample(m: u32, wo: vec3f, wi: vec3f, inside: bool, distance: f32, light: vec3f) {}
+
+/// Does nothing.
+fn record_next_ray(m: u32, wo: vec3f, wi: vec3f, inside: bool, radiance: vec3f) {}
+
+/// Does nothing.
+fn record_arrival(length: f32) {}

@@ -79,7 +79,8 @@ pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sampl
     let (mut paths, mut radiance) = start_paths(ctx, rays.into_iter().zip(samplers));
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, Some(&mut recorder));
     let radiance = continue_paths(ctx, paths, vertices, radiance, Some(&mut recorder), None);
-    (radiance, recorder.into_guides())
+    let guides = recorder.into_guides(&radiance);
+    (radiance, guides)
 }
 
 /// Radiance along each of these rays. They must start in the medium around the camera.
@@ -132,7 +133,7 @@ fn continue_paths(
         if let Some(recorder) = &mut recorder {
             for (path, vertex) in paths.iter().zip(&vertices) {
                 let Vertex::Surface(interaction) = vertex else { continue };
-                recorder.record(ctx, path.slot, path.throughput, interaction, surface_index);
+                recorder.record(ctx, path, path.throughput, interaction, surface_index);
             }
         }
         if let Some(reuse) = reuse.as_mut().filter(|_| surface_index < 2) {
@@ -153,10 +154,23 @@ fn continue_paths(
             break;
         }
         let shadow_tests = scatter(ctx, &mut paths, &vertices, scatters, surface_index, &mut radiance);
+        if let Some(recorder) = &mut recorder {
+            recorder.reflections.sample_lights(&shadow_tests);
+        }
         for (slot, direct_light) in shadow::direct_light(ctx, shadow_tests, surface_index) {
-            radiance[slot] += clamped(ctx, direct_light, surface_index);
+            let light = clamped(ctx, direct_light, surface_index);
+            radiance[slot] += light;
+            if let Some(recorder) = &mut recorder {
+                recorder.reflections.add_sampled(slot, light);
+            }
+        }
+        if let Some(recorder) = &mut recorder {
+            recorder.reflections.go_on(&paths, &radiance);
         }
         vertices = intersect_paths(ctx, &mut paths, surface_index + 1, &mut radiance, recorder.as_deref_mut());
+        if let Some(recorder) = &mut recorder {
+            recorder.reflections.arrive(&paths);
+        }
     }
     if let Some(reuse) = reuse {
         reuse.share(ctx, &mut radiance);

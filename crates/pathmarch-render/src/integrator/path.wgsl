@@ -208,8 +208,9 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
                     chosen_medium((*path).medium, medium_beyond_surface, is_transmission),
                     unstratified_seed((*path).sampler, surface_index),
                 );
-                (*path).radiance +=
-                    clamped((*path).throughput * evaluated.xyz * light.irradiance * attenuation, surface_index);
+                let sampled = clamped((*path).throughput * evaluated.xyz * light.irradiance * attenuation, surface_index);
+                (*path).radiance += sampled;
+                record_light_sample(m, wo, wi, interaction.inside, light.distance, sampled);
             }
         }
     }
@@ -240,6 +241,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     if !survives(path, choice.y) {
         return false;
     }
+    record_next_ray(m, wo, scattered.wi, interaction.inside, (*path).radiance);
     let is_transmission = TRANSMISSION && scattered.wi.z < 0.0;
     (*path).ray = Ray(spawn_origin(interaction, is_transmission), direction);
     if is_transmission {
@@ -262,7 +264,12 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
 fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
     begin_guide(camera);
     var path = path_from(camera, sampler);
-    while path_intersect(&path) && path_scatter(&path) {
+    loop {
+        let is_hit = path_intersect(&path);
+        record_arrival(path.length);
+        if !is_hit || !path_scatter(&path) {
+            break;
+        }
     }
     return film_value(path.radiance);
 }

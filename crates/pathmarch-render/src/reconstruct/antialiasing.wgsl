@@ -3,7 +3,10 @@
 
 /// Radiance of a pixel of the samples.
 fn sample_at(pixel: u32, guide: Guide) -> vec3f {
-    return estimates[pixel].xyz * divisor(guide);
+    if uniforms.has_facets == 0u {
+        return estimates[pixel].xyz * divisor(guide);
+    }
+    return base[pixel].xyz * divisor(guide) + estimates[pixel].xyz * reflection_divisor(guide);
 }
 
 /// Lightness, orange against blue, green against magenta.

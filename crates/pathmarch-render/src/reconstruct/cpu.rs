@@ -4,10 +4,12 @@
 
 use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
 use super::motion::{EarlierPoints, Motion};
+use super::spatial::Layer;
 use super::temporal::{History, PixelMean, Samples};
 use super::{
     BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
-    film_variance, irradiance_of, luminance, motions, settled_weight, settles, spatial,
+    film_variance, fireflies, irradiance_of, luminance, motions, reflections, settled_weight, settles, spatial,
+    temporal,
 };
 use crate::integrator::guides::Guide;
 use crate::scene::{FrameUniforms, RenderScene};
@@ -20,6 +22,8 @@ use web_time::Instant;
 struct Reconstructed {
     scene: Arc<RenderScene>,
     history: History,
+    /// Means of the light of facets; empty if there are none.
+    reflections: Vec<PixelMean>,
     shown: ShownPicture,
 }
 
@@ -82,9 +86,14 @@ impl CpuReconstruction {
         let mut clock = PassClock::default();
         let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| irradiance_of(*mean, guide));
         let mut irradiance: Vec<Vec3> = divided.collect();
+        let has_facets = reflections::exist(guides);
+        let of_facets = |guide: &Guide| guide.reflected.radiance / guide.reflection_divisor();
+        let mut reflected: Vec<Vec3> = guides.iter().filter(|_| has_facets).map(of_facets).collect();
         clock.ends("division by the albedo");
         if options.firefly_filter {
-            spatial::spread_fireflies(frame.size(), guides, samples as f32, &mut irradiance);
+            for light in [&mut irradiance, &mut reflected].into_iter().filter(|light| !light.is_empty()) {
+                fireflies::spread_fireflies(frame.size(), guides, samples as f32, light);
+            }
             clock.ends("fireflies");
         }
         let past = self.past.as_ref();
@@ -92,18 +101,32 @@ impl CpuReconstruction {
         let earlier = changed_past.map_or_else(EarlierPoints::default, |past| {
             Motion::new(&past.scene, scene).earlier_points(guides, frame.pixel)
         });
+        let max_history = self.changes.max_history * (1.0 - weight);
         let past_history = past.filter(|_| options.reprojection).map(|past| (&past.history, &earlier));
-        let limits = self.changes.scene.then(|| spatial::plausible_luminances(frame.size(), &irradiance));
-        let new = Samples { irradiance: &irradiance, count: samples as f32 };
-        let max_length = self.changes.max_history * (1.0 - weight);
-        let history = History::new(frame, guides, new, past_history, max_length, limits.as_deref());
+        let limits = self.changes.scene.then(|| temporal::plausible_luminances(frame.size(), &irradiance));
+        let new = |irradiance| Samples { irradiance, count: samples as f32 };
+        let history = History::new(frame, guides, new(&irradiance), past_history, max_history, limits.as_deref());
         clock.ends("reprojection");
-        let clean = match options.spatial_filter {
-            true => spatial::filter(&history, settles(samples)),
+        let images = if has_facets { reflections::images(frame, guides, &reflected) } else { Vec::new() };
+        let past_reflections = past.filter(|past| options.reprojection && !past.reflections.is_empty());
+        let past_reflections = past_reflections.map(|past| (&past.history, past.reflections.as_slice(), &earlier));
+        let changes = Changes { max_history, ..self.changes };
+        let reflections = match has_facets {
+            true => reflections::accumulated(frame, guides, &images, new(&reflected), past_reflections, &changes),
+            false => Vec::new(),
+        };
+        clock.ends("reflections");
+        let filtered = |means: &[PixelMean], layer: Layer| match options.spatial_filter {
+            true => spatial::filter(&history, means, layer, settles(samples)),
             false => {
-                history.means.iter().zip(guides.iter()).map(|(mean, guide)| mean.irradiance * guide.divisor()).collect()
+                means.iter().zip(guides.iter()).map(|(mean, guide)| mean.irradiance * layer.divisor(guide)).collect()
             }
         };
+        let mut clean = filtered(&history.means, Layer::Base);
+        if has_facets {
+            let facets = filtered(&reflections, Layer::Facets(&images));
+            clean.iter_mut().zip(facets).for_each(|(clean, facets)| *clean += facets);
+        }
         clock.ends("spatial filter");
         let last = past.filter(|_| options.antialiasing);
         let last = last.map(|past| Last {
@@ -120,7 +143,7 @@ impl CpuReconstruction {
         };
         clock.ends("mix with the film");
         self.passes = clock.passes;
-        self.present = Some(Reconstructed { scene: scene.clone(), history, shown });
+        self.present = Some(Reconstructed { scene: scene.clone(), history, reflections, shown });
         picture
     }
 

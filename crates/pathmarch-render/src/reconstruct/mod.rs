@@ -19,8 +19,11 @@
 
 mod antialiasing;
 mod cpu;
+mod fireflies;
 mod gpu;
 mod motion;
+mod planes;
+mod reflections;
 mod sequence;
 mod spatial;
 mod temporal;
@@ -50,6 +53,8 @@ shared_constants! {
     const BIAS_RADIUS: i32 = 2;
     /// Least variance of a pixel of the film, in its own variance.
     const OWN_VARIANCE: f32 = 0.5;
+    /// Least variance of the light without that of facets, in that of all light.
+    const LEAST_BASE_VARIANCE: f32 = 0.1;
     /// Longest history of an unchanged scene, samples.
     const MAX_HISTORY: f32 = 24.0;
     /// Largest irradiance whose square is a number.
@@ -297,6 +302,21 @@ fn film_variance(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
     (guide.square - irradiance * irradiance).max(0.0) / samples
 }
 
+/// Mean square of the luminance of samples without the light of facets, whose mean is `base`. Both are taken for independent,
+/// so that it is rather too large.
+fn base_square(guide: &Guide, base: f32) -> f32 {
+    if !guide.has_facets() {
+        return guide.square;
+    }
+    let [all, of_facets] = [guide.divisor(), guide.reflection_divisor()];
+    let unit = luminance(of_facets / all);
+    let mean = base + luminance(guide.reflected.radiance / all);
+    let variance = (guide.square - mean * mean).max(0.0);
+    let mean_of_facets = luminance(guide.reflected.radiance / of_facets);
+    let variance_of_facets = (guide.reflected.square - mean_of_facets * mean_of_facets).max(0.0) * unit * unit;
+    base * base + (variance - variance_of_facets).max(LEAST_BASE_VARIANCE * variance)
+}
+
 /// Weight of a film of `samples` samples in a pixel with this mean luminance of the irradiance, from its own noise: near 1
 /// once that cannot be seen. Nothing but the film shows edges as they are.
 fn settled_weight(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
@@ -309,7 +329,7 @@ fn settled_weight(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
 
 /// Irradiance of a mean of the film; 0 if it is not finite, as for rejected samples.
 fn irradiance_of(mean: Vec3, guide: &Guide) -> Vec3 {
-    let irradiance = mean / guide.divisor();
+    let irradiance = (mean - guide.reflected.radiance).max(Vec3::ZERO) / guide.divisor();
     if irradiance.is_finite() { irradiance.min(Vec3::splat(MAX_IRRADIANCE)) } else { Vec3::ZERO }
 }
 

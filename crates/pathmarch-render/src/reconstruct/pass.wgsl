@@ -18,6 +18,12 @@
 /// Position of the point of each pixel in the earlier scene, and its normal in the last word.
 @group(0) @binding(12) var<storage, read_write> earlier_points: array<vec4u>;
 
+/// Filtered irradiance without the light of facets.
+@group(0) @binding(14) var<storage, read> base: array<vec4f>;
+/// Images of what the facets of each pixel mirror: depth and reach, see reflections.rs, and the least and largest plausible
+/// luminance.
+@group(0) @binding(15) var<storage, read_write> images: array<vec4f>;
+
 /// Mean of a pixel.
 struct History {
     irradiance: vec3f,
@@ -30,12 +36,14 @@ struct History {
 }
 
 fn guide_at(pixel: u32) -> Guide {
-    return unpacked_guide(array<vec4u, 3>(guides[3u * pixel], guides[3u * pixel + 1u], guides[3u * pixel + 2u]));
+    let first = 4u * pixel;
+    return unpacked_guide(array<vec4u, 4>(guides[first], guides[first + 1u], guides[first + 2u], guides[first + 3u]));
 }
 
 fn past_guide_at(pixel: u32) -> Guide {
+    let first = 4u * pixel;
     return unpacked_guide(
-        array<vec4u, 3>(past_guides[3u * pixel], past_guides[3u * pixel + 1u], past_guides[3u * pixel + 2u]),
+        array<vec4u, 4>(past_guides[first], past_guides[first + 1u], past_guides[first + 2u], past_guides[first + 3u]),
     );
 }
 

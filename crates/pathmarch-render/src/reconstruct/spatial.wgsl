@@ -1,4 +1,4 @@
-// import: reconstruct/pass
+// import: layer, reconstruct/pass
 // Spatial filter and fireflies. Twin of spatial.rs.
 
 /// Distance between the taps of a pass of the filter, pixels.
@@ -13,22 +13,26 @@ fn surface_of(guide: Guide) -> u32 {
     if guide.guide_class == GUIDE_SKY || guide.guide_class == GUIDE_EMITTER || (uniforms.settles != 0u && guide.is_mixed) {
         return NOT_FILTERED;
     }
+    if !is_in_layer(guide) {
+        return NOT_FILTERED;
+    }
     // Pixels of glass share light if they show one object.
     return select(2u * guide.object, 2u * guide.seen_object + 1u, guide.guide_class == GUIDE_GLASS);
 }
 
-/// Weight of two pixels, `distance` pixels apart, as parts of one smooth surface; the same for both.
-fn similarity(a: Guide, b: Guide, distance: f32) -> f32 {
+/// Weight of two pixels, `distance` pixels apart, as parts of one smooth surface; the same for both. They have these indices.
+fn similarity(a: Guide, b: Guide, pixels: vec2u, distance: f32) -> f32 {
     let surface = surface_of(a);
     if surface == NOT_FILTERED || surface != surface_of(b) {
         return 0.0;
     }
     let apart = a.position - b.position;
     let along = max(abs(dot(a.normal, apart)), abs(dot(b.normal, apart)));
-    let plane = 1.0 - along / (PLANE_REACH * distance * uniforms.pixel * max(path_length(a), path_length(b)));
+    let side = uniforms.pixel * max(path_length(a), path_length(b));
+    let plane = 1.0 - along / (PLANE_REACH * distance * side);
     let cosine = max(dot(a.seen_normal, b.seen_normal), 0.0);
     let fourth = cosine * cosine * cosine * cosine;
-    return max(plane, 0.0) * fourth * fourth * fourth;
+    return max(plane, 0.0) * fourth * fourth * fourth * shared_reflection(pixels.x, pixels.y, apart, side);
 }
 
 /// True if a firefly of guide `a` may give light to a pixel of guide `b`.
@@ -122,8 +126,9 @@ fn start_filter(@builtin(global_invocation_id) id: vec3u) {
                 if (x == 0 && y == 0) || !is_inside(place) {
                     continue;
                 }
-                let weight = similarity(guide, guide_at(pixel_index(place)), f32(VARIANCE_RADIUS));
-                moments += history[pixel_index(place)].moments * weight;
+                let other = pixel_index(place);
+                let weight = similarity(guide, guide_at(other), vec2u(pixel, other), f32(VARIANCE_RADIUS));
+                moments += history[other].moments * weight;
                 total += weight;
             }
         }
@@ -148,8 +153,9 @@ fn smooth_variance(@builtin(global_invocation_id) id: vec3u) {
     for (var k = 0; k < 9; k++) {
         let place = position + vec2i(k % 3 - 1, k / 3 - 1);
         if k != 4 && is_inside(place) {
-            let weight = similarity(guide, guide_at(pixel_index(place)), 1.0);
-            variance += estimates[pixel_index(place)].w * weight;
+            let other = pixel_index(place);
+            let weight = similarity(guide, guide_at(other), vec2u(pixel, other), 1.0);
+            variance += estimates[other].w * weight;
             total += weight;
         }
     }
@@ -176,8 +182,9 @@ fn filter_once(@builtin(global_invocation_id) id: vec3u) {
             if k == 4 || !is_inside(place) {
                 continue;
             }
-            let surface = similarity(guide, guide_at(pixel_index(place)), f32(STEP));
-            let there = estimates[pixel_index(place)];
+            let other = pixel_index(place);
+            let surface = similarity(guide, guide_at(other), vec2u(pixel, other), f32(STEP));
+            let there = estimates[other];
             // The same for both, so that each gives the other as much as it takes.
             let reach = LUMINANCE_REACH * sqrt(here.w + there.w) + 1e-6;
             let difference = abs(luminance(here.xyz) - luminance(there.xyz)) / reach;

@@ -1,7 +1,8 @@
 //! Reprojection and temporal accumulation.
 
-use super::luminance;
 use super::motion::{EarlierPoint, EarlierPoints};
+use super::planes::{BoxMeans, box_means};
+use super::{base_square, luminance};
 use crate::integrator::guides::{Guide, GuideClass};
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
@@ -95,17 +96,74 @@ shared_constants! {
     const PLANE_TOLERANCE: f32 = 2.0;
     /// Largest distance within the plane, in sides of a pixel of the coarser picture.
     const POINT_TOLERANCE: f32 = 3.0;
+    /// Further distance of a point that mirrors the same image, in its distance within the plane.
+    const CURVED_TOLERANCE: f32 = 0.2;
     /// Least cosine between the normal and the ray by which the tolerance within the plane is divided.
     const MIN_GRAZING_COSINE: f32 = 0.05;
-    /// Longest history of a surface that looks different from other directions, while the camera moves, samples.
-    const MAX_GLOSSY_HISTORY: f32 = 3.0;
+    /// Longest history of glass while the camera moves, samples.
+    const MAX_GLASS_HISTORY: f32 = 3.0;
+    /// Half the side of the square that decides which luminance is plausible, pixels.
+    const PLAUSIBLE_RADIUS: i32 = 2;
+    /// Standard deviations of single samples by which a mean may differ from that of the square: three standard errors.
+    const PLAUSIBLE_REACH: f32 = 0.6;
     /// Least cosine between normals of one surface.
     const MIN_NORMAL_COSINE: f32 = 0.8;
 }
 
+impl PixelMean {
+    /// Mean of new samples alone; `square` is that of their luminance.
+    pub(super) fn alone(new: &Samples, index: usize, square: f32) -> Self {
+        let irradiance = new.irradiance[index];
+        let l = luminance(irradiance);
+        // Fireflies of a single sample have been spread.
+        let square = if new.count > 1.0 { square } else { l * l };
+        Self { irradiance, length: new.count, moments: [l, square], before: None }
+    }
+}
+
+/// What limits the past of a pixel.
+pub(super) struct Clamp {
+    /// Least and largest plausible luminance.
+    pub(super) limits: Option<[f32; 2]>,
+    /// Samples that count at most.
+    pub(super) max_length: f32,
+}
+
+/// Joins the mean of the past with that of new samples.
+pub(super) fn joined(past: PixelMean, new: PixelMean, clamp: Clamp) -> PixelMean {
+    let PixelMean { irradiance: mut old, mut length, mut moments, before } = past;
+    if let Some([least, most]) = clamp.limits {
+        let old_luminance = luminance(old);
+        let clamped = old_luminance.clamp(least, most);
+        let factor = clamped / old_luminance.max(1e-9);
+        old *= factor;
+        moments = [moments[0] * factor, moments[1] * factor * factor];
+        // The less of it is plausible, the fewer samples it is worth.
+        let agreement = (clamped.min(old_luminance) + 1e-9) / (clamped.max(old_luminance) + 1e-9);
+        length *= agreement * agreement;
+    }
+    let length = length.min(clamp.max_length);
+    let share = new.length / (new.length + length);
+    let mean = |old: f32, new: f32| old + (new - old) * share;
+    let moments = std::array::from_fn(|k| mean(moments[k], new.moments[k]));
+    PixelMean { irradiance: old.lerp(new.irradiance, share), length: new.length + length, moments, before }
+}
+
+/// Least and largest luminance that the mean of each pixel may have, judged from the samples around it.
+pub(super) fn plausible_luminances(size: [u32; 2], irradiance: &[Vec3]) -> Vec<[f32; 2]> {
+    let means = box_means(size, PLAUSIBLE_RADIUS, |index| {
+        let luminance = luminance(irradiance[index]);
+        [luminance, luminance * luminance, 0.0, 0.0]
+    });
+    let limits = |&BoxMeans([mean, square, ..]): &BoxMeans| {
+        let reach = (square - mean * mean).max(0.0).sqrt() * PLAUSIBLE_REACH;
+        [(mean - reach).max(0.0), mean + reach]
+    };
+    means.iter().map(limits).collect()
+}
+
 impl History {
-    /// Joins new samples with the past, of which at most `max_length` samples count. If given, its luminance is clamped to
-    /// the limits of each pixel.
+    /// Joins new samples with the past. If given, its luminance is clamped to the limits of each pixel.
     pub(super) fn new(
         frame: &FrameUniforms,
         guides: &Arc<Vec<Guide>>,
@@ -114,35 +172,19 @@ impl History {
         max_length: f32,
         limits: Option<&[[f32; 2]]>,
     ) -> Self {
-        let samples = new.count;
         let moves = past.is_some_and(|(past, _)| camera_moves(&past.frame, frame));
+        let past = past.filter(|_| max_length > 0.0);
         let join = |index: usize| {
-            let (guide, irradiance) = (&guides[index], new.irradiance[index]);
-            let l = luminance(irradiance);
-            // Fireflies of a single sample have been spread.
-            let square = if samples > 1.0 { guide.square } else { l * l };
-            let found = past.filter(|_| max_length > 0.0);
-            let found =
-                found.and_then(|(past, earlier)| past.find(&past.sought(guide, earlier.at(index, guide), frame)));
-            let Some(PixelMean { irradiance: mut old, mut length, mut moments, before }) = found else {
-                return PixelMean { irradiance, length: samples, moments: [l, square], before: None };
-            };
-            if let Some([least, most]) = limits.map(|limits| limits[index]) {
-                let old_luminance = luminance(old);
-                let clamped = old_luminance.clamp(least, most);
-                let factor = clamped / old_luminance.max(1e-9);
-                old *= factor;
-                moments = [moments[0] * factor, moments[1] * factor * factor];
-                // The less of it is plausible, the fewer samples it is worth.
-                let agreement = (clamped.min(old_luminance) + 1e-9) / (clamped.max(old_luminance) + 1e-9);
-                length *= agreement * agreement;
-            }
-            let limit = if moves && guide.is_glossy { max_length.min(MAX_GLOSSY_HISTORY) } else { max_length };
-            let length = length.min(limit);
-            let share = samples / (samples + length);
-            let mean = |old: f32, new: f32| old + (new - old) * share;
-            let moments = [mean(moments[0], l), mean(moments[1], square)];
-            PixelMean { irradiance: old.lerp(irradiance, share), length: samples + length, moments, before }
+            let guide = &guides[index];
+            let base = luminance(new.irradiance[index]);
+            let alone = PixelMean::alone(&new, index, base_square(guide, base));
+            let found = past.and_then(|(past, earlier)| {
+                past.find(&past.sought(guide, earlier.at(index, guide), frame), &past.means)
+            });
+            let is_short = moves && guide.class == GuideClass::Glass;
+            let max_length = if is_short { max_length.min(MAX_GLASS_HISTORY) } else { max_length };
+            let clamp = Clamp { limits: limits.map(|limits| limits[index]), max_length };
+            found.map_or(alone, |found| joined(found, alone, clamp))
         };
         let eye = frame.position.into();
         Self {
@@ -174,10 +216,31 @@ impl History {
         shows((0, 0)) || (-1..=1).any(|dy| (-1..=1).any(|dx| shows((dx, dy))))
     }
 
-    /// Mean of a point, and its position here; `None` if this picture does not show it.
-    fn find(&self, sought: &SoughtPoint) -> Option<PixelMean> {
-        let [width, height] = self.frame.size();
+    /// Mean of a point among those of the pixels, and its position here; `None` if this picture does not show it.
+    pub(super) fn find(&self, sought: &SoughtPoint, means: &[PixelMean]) -> Option<PixelMean> {
         let position = self.projection.project(sought.position)?;
+        // The mean of several surfaces is that of none.
+        self.mean_at(position, means, |index| self.points[index].is_at(sought) && !self.guides[index].is_mixed)
+    }
+
+    /// True if a pixel shows a part of a surface that mirrors what the sought point of it mirrors.
+    pub(super) fn shows_reflector(&self, index: usize, sought: &SoughtPoint) -> bool {
+        let point = &self.points[index];
+        let apart = sought.position - point.position;
+        let along = sought.normal.dot(apart).abs().min(point.normal.dot(apart).abs());
+        point.surface == sought.surface
+            && sought.normal.dot(point.normal) >= MIN_NORMAL_COSINE
+            && along <= PLANE_TOLERANCE * sought.pixel + CURVED_TOLERANCE * apart.length()
+    }
+
+    /// Mean at a position of this picture, of the pixels that `shows` accepts.
+    pub(super) fn mean_at(
+        &self,
+        position: [f32; 2],
+        means: &[PixelMean],
+        shows: impl Fn(usize) -> bool,
+    ) -> Option<PixelMean> {
+        let [width, height] = self.frame.size();
         let [x, y] = position.map(|coordinate| coordinate - 0.5);
         let (mut irradiance, mut moments, mut length, mut total) = (Vec3::ZERO, [0.0; 2], 0.0, 0.0);
         for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
@@ -187,10 +250,10 @@ impl History {
             }
             let index = row as usize * width as usize + column as usize;
             let weight = (1.0 - (x - column).abs()) * (1.0 - (y - row).abs());
-            if weight <= 0.0 || !self.points[index].is_at(sought) {
+            if weight <= 0.0 || !shows(index) {
                 continue;
             }
-            let mean = &self.means[index];
+            let mean = &means[index];
             irradiance += mean.irradiance * weight;
             moments = [moments[0] + mean.moments[0] * weight, moments[1] + mean.moments[1] * weight];
             length += mean.length * weight;

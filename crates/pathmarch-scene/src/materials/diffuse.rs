@@ -50,6 +50,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         with_index: None,
         eval,
         sample,
+        facets: None,
         in_lanes: Some(KindInLanes::Diffuse),
         wgsl: include_str!("diffuse.wgsl"),
     }),

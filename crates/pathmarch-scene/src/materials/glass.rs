@@ -23,8 +23,8 @@ use super::microfacet::{
     sheet_reflection, unhidden, unshadowed, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Dielectric, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, abbe, absorption,
-    anisotropy, black, colour, colour_of, glow, ior, multiscatter, priority, roughness, scattering, thin,
+    Bsdf, BsdfParameters, Dielectric, Eval, Facets, MaterialKind, PreviewMaterial, Scattered, Texturing, abbe,
+    absorption, anisotropy, black, colour, colour_of, glow, ior, multiscatter, priority, roughness, scattering, thin,
 };
 use crate::medium::Medium;
 use glam::Vec3;
@@ -131,6 +131,11 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         }),
         eval,
         sample,
+        facets: Some(&Facets {
+            share: |_, _, _, _| Vec3::ONE,
+            alpha: |parameters| parameters[3],
+            are_coloured: |_| false,
+        }),
         in_lanes: None,
         wgsl: include_str!("glass.wgsl"),
     }),

@@ -89,3 +89,13 @@ fn glass_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
     let pdf = (1.0 - reflected) * refraction_pdf(wo, wi, h, alpha, eta);
     return Scattered(wi, pdf, weight * (unhidden(wi, alpha) * glass_compensation(m, wo, inside)), eta);
 }
+
+/// Alpha of the facets, and 1 if they reflect in the colour of the surface.
+fn glass_facets(m: u32) -> vec2f {
+    return vec2f(packed(m, 0u).w, 0.0);
+}
+
+/// Share of the facets in `glass_eval`.
+fn glass_facet_share(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec3f {
+    return vec3f(1.0);
+}

@@ -37,6 +37,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         with_index: None,
         eval: |_, _, _, _| Eval::NONE,
         sample: |_, wo, _, _| Some(Scattered { wi: -wo, weight: Vec3::ONE, pdf: 0.0, eta: 1.0 }),
+        facets: None,
         in_lanes: None,
         wgsl: include_str!("medium.wgsl"),
     }),

@@ -6,7 +6,7 @@
 use super::albedo::lookup;
 use super::microfacet::{FOCUSING_ALPHA, MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
 use super::{
-    Bsdf, BsdfInLanes, BsdfParameters, Eval, EvalInLanes, KindInLanes, MaterialKind, ParametersInLanes,
+    Bsdf, BsdfInLanes, BsdfParameters, Eval, EvalInLanes, Facets, KindInLanes, MaterialKind, ParametersInLanes,
     PreviewMaterial, Scattered, ScatteredInLanes, Texturing, colour, colour_of, emission, multiscatter, no_dielectric,
     roughness, vacuum,
 };
@@ -68,6 +68,11 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         with_index: None,
         eval,
         sample,
+        facets: Some(&Facets {
+            share: |_, _, _, _| Vec3::ONE,
+            alpha: |parameters| parameters[3],
+            are_coloured: |_| true,
+        }),
         in_lanes: Some(KindInLanes::Metal),
         wgsl: include_str!("metal.wgsl"),
     }),

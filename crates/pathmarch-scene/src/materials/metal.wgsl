@@ -43,3 +43,13 @@ fn metal_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {
     }
     return Scattered(wi, pdf, colour * unshadowed(wo, wi, a.w), 1.0);
 }
+
+/// Alpha of the facets, and 1 if they reflect in the colour of the surface.
+fn metal_facets(m: u32) -> vec2f {
+    return vec2f(packed(m, 0u).w, 1.0);
+}
+
+/// Share of the facets in `metal_eval`.
+fn metal_facet_share(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec3f {
+    return vec3f(1.0);
+}

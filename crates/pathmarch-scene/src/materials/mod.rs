@@ -208,11 +208,23 @@ pub struct Bsdf {
     /// A random direction of three uniform numbers in 0..1, the first two of them its position; `None` where the light
     /// is lost.
     pub sample: fn(&BsdfParameters, wo: Vec3, inside: bool, random: [f32; 3]) -> Option<Scattered>,
+    /// Facets of the surface; `None` if all its light is scattered below the surface, or in single directions.
+    pub facets: Option<&'static Facets>,
     /// The same for eight paths at once, of an opaque surface that uses no third random number; `None` if there are none.
     pub in_lanes: Option<KindInLanes>,
     /// The same in WGSL: `NAME_eval(m, wo, wi, inside) -> vec4f` (value, density) and
     /// `NAME_sample(m, wo, inside, random) -> Scattered`, where `m` is the index of the material.
     pub wgsl: &'static str,
+}
+
+/// Facets of a surface, whose light depends on the direction of view.
+pub struct Facets {
+    /// Share of the facets in [`Bsdf::eval`] of two directions, for each channel, 0 to 1.
+    pub share: fn(&BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Vec3,
+    /// Width of the distribution of their normals: alpha of GGX, that of the smoothest layer.
+    pub alpha: fn(&BsdfParameters) -> f32,
+    /// True if they reflect in the colour of the surface.
+    pub are_coloured: fn(&BsdfParameters) -> bool,
 }
 
 impl std::fmt::Debug for Bsdf {

@@ -19,7 +19,7 @@ use super::microfacet::{
     unhidden, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Dielectric, Eval, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption,
+    Bsdf, BsdfParameters, Dielectric, Eval, Facets, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption,
     anisotropy, colour, colour_of, emission, fraction, glow, ior, priority, roughness, scattering,
 };
 use crate::medium::Medium;
@@ -88,6 +88,16 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         }),
         eval,
         sample,
+        facets: Some(&Facets {
+            share,
+            alpha: |parameters| {
+                let covers = parameters[COAT] > 0.0;
+                let least =
+                    if covers { parameters[ROUGHNESS].min(parameters[COAT_ROUGHNESS]) } else { parameters[ROUGHNESS] };
+                least * least
+            },
+            are_coloured: |parameters| parameters[METALLIC] > 0.5,
+        }),
         in_lanes: None,
         wgsl: include_str!("principled.wgsl"),
     }),
@@ -232,20 +242,43 @@ fn reflect_chance(parameters: &BsdfParameters, dielectric: f32) -> f32 {
     reflected / (reflected + refracted).max(1e-6)
 }
 
+/// Light of a pair of directions: what the facets of coat, interface and metal reflect or refract, and what the base
+/// scatters.
+struct Layers {
+    facets: Vec3,
+    base: Vec3,
+    pdf: f32,
+}
+
 fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
+    let Layers { facets, base, pdf } = layers(parameters, wo, wi, inside);
+    Eval { value: facets + base, pdf }
+}
+
+fn share(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Vec3 {
+    let Layers { facets, base, .. } = layers(parameters, wo, wi, inside);
+    facets / (facets + base).max(Vec3::splat(f32::MIN_POSITIVE))
+}
+
+fn layers(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Layers {
+    const NONE: Layers = Layers { facets: Vec3::ZERO, base: Vec3::ZERO, pdf: 0.0 };
     let view = view(parameters, wo, inside);
     let (colour, metallic, transmission) = (colour_of(parameters), parameters[METALLIC], parameters[TRANSMISSION]);
     if wi.z < 0.0 {
         let eta = if inside { 1.0 / parameters[IOR] } else { parameters[IOR] };
-        let Some(h) = refracting_normal(wo, wi, eta) else { return Eval::NONE };
+        let Some(h) = refracting_normal(wo, wi, eta) else { return NONE };
         let facet = dielectric(parameters, wo.dot(h), inside);
         let density = refraction_pdf(wo, wi, h, view.alpha, eta);
         let share = (1.0 - metallic) * transmission * (1.0 - facet) * view.below_coat;
-        let value = colour * (share * density * unhidden(wi, view.alpha) / (eta * eta));
-        return Eval { value, pdf: view.interface_chance * (1.0 - reflect_chance(parameters, facet)) * density };
+        let facets = colour * (share * density * unhidden(wi, view.alpha) / (eta * eta));
+        return Layers {
+            facets,
+            base: Vec3::ZERO,
+            pdf: view.interface_chance * (1.0 - reflect_chance(parameters, facet)) * density,
+        };
     }
     if wi.z == 0.0 {
-        return Eval::NONE;
+        return NONE;
     }
     let h = (wo + wi).normalize();
     let cosine = wo.dot(h);
@@ -257,22 +290,23 @@ fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
     let metal = Vec3::from(schlick(colour, Vec3::ONE, cosine)) * (Vec3::ONE + colour * (1.0 / (a + b) - 1.0));
     let interface = metal * metallic + Vec3::splat((1.0 - metallic) * facet * compensation(parameters[F0], view.split));
     let (value, density) = reflection(wo, wi, h, view.alpha);
-    let mut sum = interface * (value * through_coat);
+    let mut facets = interface * (value * through_coat);
     let mut pdf = view.interface_chance * reflect_chance(parameters, facet) * density;
 
     let (coat_value, coat_density) = reflection(wo, wi, h, view.coat_alpha);
-    sum += Vec3::splat(view.coat * (COAT_F0 + (1.0 - COAT_F0) * fifth_power(1.0 - cosine)) * coat_value);
+    facets += Vec3::splat(view.coat * (COAT_F0 + (1.0 - COAT_F0) * fifth_power(1.0 - cosine)) * coat_value);
     pdf += view.coat_chance * coat_density;
 
+    let mut base = Vec3::ZERO;
     if !inside {
         let below = (1.0 - view.specular) * (1.0 - specular_albedo(parameters, wi.z))
             / (1.0 - parameters[SPECULAR_MEAN]).max(1e-3);
         let below_coat = through_coat / (1.0 - view.coat * parameters[COAT_MEAN]);
         let share = (1.0 - metallic) * (1.0 - transmission) * below * below_coat;
-        sum += colour * (share * wi.z / PI);
+        base = colour * (share * wi.z / PI);
         pdf += (1.0 - view.coat_chance - view.interface_chance) * wi.z / PI;
     }
-    Eval { value: sum, pdf }
+    Layers { facets, base, pdf }
 }
 
 fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -> Option<Scattered> {

@@ -64,11 +64,37 @@ fn reflect_chance(m: u32, dielectric: f32) -> f32 {
     return reflected / max(reflected + refracted, 1e-6);
 }
 
+/// Light of a pair of directions: of the facets of coat, interface and metal, and of the base.
+struct PrincipledLayers {
+    facets: vec3f,
+    base: vec3f,
+    pdf: f32,
+}
+
 fn principled_eval(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
     return principled_eval_from(m, principled_view(m, wo, inside), wo, wi, inside);
 }
 
 fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {
+    let layers = principled_layers(m, view, wo, wi, inside);
+    return vec4f(layers.facets + layers.base, layers.pdf);
+}
+
+/// Alpha of the smoothest facets, and 1 if they reflect in the colour of the surface.
+fn principled_facets(m: u32) -> vec2f {
+    let roughness = packed(m, 1u).x;
+    let coat = packed(m, 2u).xy;
+    let least = select(roughness, min(roughness, coat.y), coat.x > 0.0);
+    return vec2f(least * least, select(0.0, 1.0, packed(m, 0u).w > 0.5));
+}
+
+/// Share of the facets in `principled_eval`.
+fn principled_facet_share(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec3f {
+    let layers = principled_layers(m, principled_view(m, wo, inside), wo, wi, inside);
+    return layers.facets / max(layers.facets + layers.base, vec3f(1.1754944e-38));
+}
+
+fn principled_layers(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, inside: bool) -> PrincipledLayers {
     let a = packed(m, 0u);
     let b = packed(m, 1u);
     let c = packed(m, 2u);
@@ -77,16 +103,16 @@ fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, insi
         let eta = select(ior, 1.0 / ior, inside);
         let h = refracting_normal(wo, wi, eta);
         if h.z == 0.0 {
-            return vec4f(0.0);
+            return PrincipledLayers(vec3f(0.0), vec3f(0.0), 0.0);
         }
         let facet = fresnel(dot(wo, h), eta);
         let density = refraction_pdf(wo, wi, h, view.alpha, eta);
         let share = (1.0 - a.w) * c.w * (1.0 - facet) * view.below_coat;
         let value = a.xyz * (share * density * unhidden(wi, view.alpha) / (eta * eta));
-        return vec4f(value, view.interface_chance * (1.0 - reflect_chance(m, facet)) * density);
+        return PrincipledLayers(value, vec3f(0.0), view.interface_chance * (1.0 - reflect_chance(m, facet)) * density);
     }
     if wi.z == 0.0 {
-        return vec4f(0.0);
+        return PrincipledLayers(vec3f(0.0), vec3f(0.0), 0.0);
     }
     let h = normalize(wo + wi);
     let cosine = dot(wo, h);
@@ -98,20 +124,21 @@ fn principled_eval_from(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, insi
     let metal = schlick(a.xyz, vec3f(1.0), cosine) * (1.0 + a.xyz * lost);
     let interface_ = metal * a.w + vec3f((1.0 - a.w) * facet * compensation(b.z, view.split));
     let lobe = microfacet_reflection(wo, wi, h, view.alpha);
-    var sum = interface_ * (lobe.x * through_coat);
+    var facets = interface_ * (lobe.x * through_coat);
     var pdf = view.interface_chance * reflect_chance(m, facet) * lobe.y;
 
     let coat = microfacet_reflection(wo, wi, h, view.coat_alpha);
-    sum += vec3f(view.coat * (COAT_F0 + (1.0 - COAT_F0) * fifth_power(1.0 - cosine)) * coat.x);
+    facets += vec3f(view.coat * (COAT_F0 + (1.0 - COAT_F0) * fifth_power(1.0 - cosine)) * coat.x);
     pdf += view.coat_chance * coat.y;
 
+    var base = vec3f(0.0);
     if !inside {
         let below = (1.0 - view.specular) * (1.0 - specular_albedo(m, wi.z)) / max(1.0 - b.w, 1e-3);
         let below_coat = through_coat / (1.0 - view.coat * c.z);
-        sum += a.xyz * ((1.0 - a.w) * (1.0 - c.w) * below * below_coat * wi.z / 3.14159265);
+        base = a.xyz * ((1.0 - a.w) * (1.0 - c.w) * below * below_coat * wi.z / 3.14159265);
         pdf += (1.0 - view.coat_chance - view.interface_chance) * wi.z / 3.14159265;
     }
-    return vec4f(sum, pdf);
+    return PrincipledLayers(facets, base, pdf);
 }
 
 fn principled_sample(m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {

@@ -277,7 +277,7 @@ fn bsdfs(input: &RenderInput) -> String {
     let used: Vec<_> =
         used.iter().filter_map(|&kind| Some((kind, kinds[kind as usize].name, kinds[kind as usize].bsdf?))).collect();
     let mut code = materials::constants_wgsl() + &dispersion::wgsl() + &materials::SHARED_WGSL.join("\n");
-    let (mut eval, mut sample) = (String::new(), String::new());
+    let (mut eval, mut sample, mut facets, mut share) = (String::new(), String::new(), String::new(), String::new());
     for (k, (kind, name, bsdf)) in used.iter().enumerate() {
         code.push('\n');
         code += bsdf.wgsl;
@@ -285,6 +285,12 @@ fn bsdfs(input: &RenderInput) -> String {
         let condition = if k + 1 < used.len() { format!("if kind == {kind}u ") } else { String::new() };
         writeln!(eval, "    {condition}{{\n        return {name}_eval(m, wo, wi, inside);\n    }}")
             .expect("writing to a string");
+        if bsdf.facets.is_some() {
+            writeln!(facets, "    if kind == {kind}u {{\n        return {name}_facets(m);\n    }}")
+                .expect("writing to a string");
+            writeln!(share, "    if kind == {kind}u {{\n        return {name}_facet_share(m, wo, wi, inside);\n    }}")
+                .expect("writing to a string");
+        }
         writeln!(sample, "    {condition}{{\n        return {name}_sample(m, wo, inside, u);\n    }}")
             .expect("writing to a string");
     }
@@ -295,6 +301,11 @@ fn bsdfs(input: &RenderInput) -> String {
     code + &format!(
         "\n/// BSDF times cosine, and the pdf of `wi` over solid angle.\n\
          fn bsdf_eval(kind: u32, m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec4f {{\n{eval}}}\n\n\
-         fn bsdf_sample(kind: u32, m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {{\n{sample}}}\n"
+         fn bsdf_sample(kind: u32, m: u32, wo: vec3f, inside: bool, u: vec3f) -> Scattered {{\n{sample}}}\n\n\
+         /// Alpha of the facets, 0 if there are none, and 1 if they reflect in the colour of the surface.\n\
+         fn bsdf_facets(kind: u32, m: u32) -> vec2f {{\n{facets}    return vec2f(0.0);\n}}\n\n\
+         /// Share of the facets in `bsdf_eval`.\n\
+         fn bsdf_facet_share(kind: u32, m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec3f {{\n{share}    \
+         return vec3f(0.0);\n}}\n"
     )
 }

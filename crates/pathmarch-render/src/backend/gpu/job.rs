@@ -212,7 +212,7 @@ impl GpuJob {
             usage: storage | copied | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let guide_bytes = 3 * film_bytes(size);
+        let guide_bytes = 4 * film_bytes(size);
         let limits = gpu.limits();
         let guides_fit = guide_bytes <= limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let guides = source.bindings.has_guides.then(|| {

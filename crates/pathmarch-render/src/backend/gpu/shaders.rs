@@ -92,6 +92,7 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/penumbra",
     "integrator/photons" shares photon_map::shared_wgsl,
     "integrator/radiance",
+    "integrator/reflected_light",
     "integrator/shadow" shares shadow::shared_wgsl,
     "integrator/sky" shares encode::sky_kinds_wgsl,
     "integrator/splitting",

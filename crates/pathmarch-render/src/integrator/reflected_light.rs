@@ -1,0 +1,201 @@
+//! Light that the facets of a glossy surface reflect or refract, recorded apart with the guide of the path.
+//!
+//! **Idea.** At the surface of the guide, a light sample and the light that the rest of the path brings are each split by
+//! the [share](pathmarch_scene::materials::Facets) of the facets in the BSDF. Their distance is that of what is mirrored,
+//! weighted by its luminance: where facets are smooth, its image is so far behind the surface.
+
+use super::path_state::Path;
+use super::shadow::ShadowTest;
+use crate::sampling::basis::{basis, local_viewer};
+use crate::scene::TraceContext;
+use crate::scene::light::luminance;
+use crate::shading::surface_interaction::SurfaceInteraction;
+use crate::shading::textured_point::{TexturedPoint, shading_normal};
+use glam::{Mat3, Vec3};
+use pathmarch_scene::materials::{BsdfParameters, Facets};
+
+/// Light of the facets of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ReflectedLight {
+    /// Mean radiance.
+    pub(crate) radiance: Vec3,
+    /// Mean square of the luminance of the samples, divided as the radiance is filtered.
+    pub(crate) square: f32,
+    /// Distance d from the surface to what is mirrored, as d / (d + l) with the length l of the path to the surface: 0 at the
+    /// surface, 1 at infinity.
+    pub(crate) depth: f32,
+    /// Width of the distribution of the facets' normals; 0 if there are none.
+    pub(crate) alpha: f32,
+    /// True if they reflect in the colour of the surface.
+    pub(crate) is_coloured: bool,
+}
+
+impl ReflectedLight {
+    /// No facets.
+    pub(crate) const NONE: Self =
+        Self { radiance: Vec3::ZERO, square: 0.0, depth: 0.0, alpha: 0.0, is_coloured: false };
+
+    /// Adds the light of a sample, which has this share in the mean.
+    pub(super) fn add(&mut self, sample: &Self, share: f32) {
+        let before = luminance(self.radiance.into()) * (1.0 - share);
+        self.radiance = self.radiance.lerp(sample.radiance, share);
+        self.square += (sample.square - self.square) * share;
+        let weight = (luminance(sample.radiance.into()) * share + 1e-9)
+            / (before + luminance(sample.radiance.into()) * share + 1e-9);
+        self.depth += (sample.depth - self.depth) * weight;
+    }
+}
+
+/// Light being recorded, one for each path.
+pub(super) struct ReflectionRecorder {
+    slots: Vec<Option<Reflection>>,
+    /// True if surfaces wait for their samples.
+    waits: bool,
+    /// Far end of all rays.
+    far: f32,
+}
+
+/// Light of the facets at the surface of a path.
+struct Reflection {
+    /// True if the surface waits for its samples.
+    waits: bool,
+    surface: Option<FacetedSurface>,
+    alpha: f32,
+    is_coloured: bool,
+    /// Length of the path at the surface, metres.
+    length: f32,
+    /// Share of the facets in the light sample, its distance, and its light.
+    sampled_share: Vec3,
+    sampled_distance: f32,
+    sampled: Vec3,
+    /// Radiance of the path before it went on, and the share of the facets in the rest.
+    before: Vec3,
+    share: Vec3,
+    /// Distance to the next vertex.
+    distance: f32,
+}
+
+/// Surface whose base scatters light, too.
+struct FacetedSurface {
+    facets: &'static Facets,
+    parameters: BsdfParameters,
+    local_from_world: Mat3,
+    wo: Vec3,
+    inside: bool,
+}
+
+impl Reflection {
+    fn share(&self, direction: Vec3) -> Vec3 {
+        let Some(FacetedSurface { facets, parameters, local_from_world, wo, inside }) = &self.surface else {
+            return Vec3::ONE;
+        };
+        (facets.share)(parameters, *wo, (*local_from_world * direction).normalize(), *inside)
+    }
+}
+
+impl ReflectionRecorder {
+    pub(super) fn new(paths: usize) -> Self {
+        Self { slots: (0..paths).map(|_| None).collect(), waits: false, far: 0.0 }
+    }
+
+    /// Starts with the surface of a path.
+    pub(super) fn begin(&mut self, ctx: &TraceContext, path: &Path, interaction: &SurfaceInteraction) {
+        self.far = ctx.frame.far;
+        let leaf = &ctx.scene.leaves[interaction.leaf];
+        let material = &ctx.scene.materials[leaf.material as usize];
+        let Some(facets) = ctx.scene.bsdfs[leaf.material as usize].and_then(|bsdf| bsdf.facets) else { return };
+        let textured = TexturedPoint::new(ctx, interaction, path.length);
+        let parameters =
+            textured.as_ref().map_or(material.parameters, |textured| textured.parameters(&material.parameters));
+        let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
+        let local_from_world = basis(ns).transpose();
+        let wo = local_viewer(local_from_world, -path.ray.direction);
+        self.slots[path.slot] = Some(Reflection {
+            waits: true,
+            alpha: (facets.alpha)(&parameters),
+            is_coloured: (facets.are_coloured)(&parameters),
+            surface: Some(FacetedSurface { facets, parameters, local_from_world, wo, inside: interaction.inside }),
+            length: path.length,
+            sampled_share: Vec3::ZERO,
+            sampled_distance: 0.0,
+            sampled: Vec3::ZERO,
+            before: Vec3::ZERO,
+            share: Vec3::ZERO,
+            distance: self.far,
+        });
+        self.waits = true;
+    }
+
+    /// Light at the surface of a path, if it waits.
+    fn waiting(&mut self, slot: usize) -> Option<&mut Reflection> {
+        self.slots[slot].as_mut().filter(|reflection| reflection.waits)
+    }
+
+    /// Records the light samples of the surfaces that wait.
+    pub(super) fn sample_lights(&mut self, tests: &[ShadowTest]) {
+        if !self.waits {
+            return;
+        }
+        for test in tests {
+            if let Some(reflection) = self.waiting(test.slot) {
+                reflection.sampled_share = reflection.share(test.ray.direction);
+                reflection.sampled_distance = test.distance;
+            }
+        }
+    }
+
+    /// Adds light that a sampled light contributed.
+    pub(super) fn add_sampled(&mut self, slot: usize, light: Vec3) {
+        if let Some(reflection) = self.waiting(slot) {
+            reflection.sampled += light * reflection.sampled_share;
+        }
+    }
+
+    /// Records how the paths go on, which have these radiances.
+    pub(super) fn go_on(&mut self, paths: &[Path], radiance: &[Vec3]) {
+        if !self.waits {
+            return;
+        }
+        for path in paths {
+            if let Some(reflection) = self.waiting(path.slot) {
+                reflection.share = reflection.share(path.ray.direction);
+                reflection.before = radiance[path.slot];
+            }
+        }
+    }
+
+    /// Records the next vertices of the paths that have one.
+    pub(super) fn arrive(&mut self, paths: &[Path]) {
+        if !self.waits {
+            return;
+        }
+        for path in paths {
+            if let Some(reflection) = self.waiting(path.slot) {
+                // A vertex in a medium has no length from the camera.
+                let distance = path.length - reflection.length;
+                reflection.distance = if distance > 0.0 { distance } else { reflection.distance };
+            }
+        }
+        self.slots.iter_mut().flatten().for_each(|reflection| reflection.waits = false);
+        self.waits = false;
+    }
+
+    /// Lights of all paths that have facets, and whose radiances these are.
+    pub(super) fn into_lights(self, radiance: &[Vec3]) -> impl Iterator<Item = (usize, ReflectedLight)> {
+        let far = self.far;
+        let of = move |(slot, reflection): (usize, Option<Reflection>)| {
+            let Reflection { alpha, is_coloured, length, sampled, sampled_distance, before, share, distance, .. } =
+                reflection?;
+            let rest = (radiance[slot] - before) * share;
+            let [near, farther] = [sampled, rest].map(|light| luminance(light.into()).max(0.0));
+            let depths = [sampled_distance, distance].map(|distance| distance.min(far) / (distance.min(far) + length));
+            let depth = if near + farther > 0.0 {
+                (depths[0] * near + depths[1] * farther) / (near + farther)
+            } else {
+                depths[1]
+            };
+            Some((slot, ReflectedLight { radiance: sampled + rest, square: 0.0, depth, alpha, is_coloured }))
+        };
+        self.slots.into_iter().enumerate().filter_map(of).collect::<Vec<_>>().into_iter()
+    }
+}

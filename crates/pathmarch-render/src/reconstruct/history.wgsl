@@ -1,0 +1,77 @@
+// import: reconstruct/pass
+// Means of pixels, and how they are found in the last picture. Twin of `PixelMean`, `History` and `joined` in temporal.rs.
+
+/// Mean of new samples alone; `square` is that of their luminance.
+fn new_mean(irradiance: vec3f, square: f32) -> History {
+    let l = luminance(irradiance);
+    // Fireflies of a single sample have been spread.
+    let moments = vec2f(l, select(l * l, square, uniforms.samples > 1u));
+    return History(irradiance, f32(uniforms.samples), moments, vec2f(-1e9));
+}
+
+/// Joins the mean of the past with that of new samples. The past has a luminance within limits and counts at most so many
+/// samples.
+fn joined(past: History, present: History, limits: vec2f, max_length: f32) -> History {
+    let old = luminance(past.irradiance);
+    let clamped = clamp(old, limits.x, limits.y);
+    let factor = select(clamped / max(old, 1e-9), 1.0, clamped == old);
+    // The less of it is plausible, the fewer samples it is worth.
+    let agreement = (min(clamped, old) + 1e-9) / (max(clamped, old) + 1e-9);
+    let length = min(past.length * agreement * agreement, max_length);
+    let share = present.length / (present.length + length);
+    return History(
+        mix(past.irradiance * factor, present.irradiance, share),
+        present.length + length,
+        mix(past.moments * vec2f(factor, factor * factor), present.moments, share),
+        past.before,
+    );
+}
+
+/// True if a guide of the last picture shows a part of a surface that mirrors what the sought point of it mirrors. `side` is
+/// that of a pixel at the point.
+fn shows_reflector(sought: Guide, there: Guide, side: f32) -> bool {
+    let apart = sought.position - there.position;
+    let along = min(abs(dot(sought.normal, apart)), abs(dot(there.normal, apart)));
+    return sought.guide_class == there.guide_class && sought.object == there.object
+        && dot(sought.normal, there.normal) >= MIN_NORMAL_COSINE
+        && along <= PLANE_TOLERANCE * side + CURVED_TOLERANCE * length(apart);
+}
+
+/// Mean at a position of the last picture, of the pixels that show a point or, of an image, its reflector; its length is 0 if
+/// there are none.
+fn mean_at(place: vec2f, sought: Guide, side: f32, is_image: bool) -> History {
+    var found: History;
+    found.before = place;
+    let corner = floor(place - 0.5);
+    let part = place - 0.5 - corner;
+    var total = 0.0;
+    for (var k = 0; k < 4; k++) {
+        let offset = vec2i(k & 1, k >> 1u);
+        let at = vec2i(corner) + offset;
+        if any(at < vec2i(0)) || any(at >= vec2i(i32(uniforms.past_width), i32(uniforms.past_height))) {
+            continue;
+        }
+        let pixel = u32(at.y) * uniforms.past_width + u32(at.x);
+        let there = past_guide_at(pixel);
+        // The mean of several surfaces is that of none.
+        let is_point = !is_image && !there.is_mixed && same_point(sought, there, side);
+        if !is_point && !(is_image && shows_reflector(sought, there, side)) {
+            continue;
+        }
+        let weights = select(1.0 - part, part, offset == vec2i(1));
+        let weight = weights.x * weights.y;
+        let past = past_history[pixel];
+        found.irradiance += past.irradiance * weight;
+        found.moments += past.moments * weight;
+        found.length += past.length * weight;
+        total += weight;
+    }
+    if total <= 0.01 {
+        found.length = 0.0;
+        return found;
+    }
+    found.irradiance /= total;
+    found.moments /= total;
+    found.length /= total;
+    return found;
+}

@@ -1,0 +1,159 @@
+//! Numbers of all pixels in planes, so that eight adjoining pixels are one SIMD vector.
+
+use rayon::prelude::*;
+use wide::f32x8;
+
+/// Size of a picture that a filter walks over.
+#[derive(Clone, Copy)]
+pub(super) struct Grid {
+    pub(super) width: i32,
+    pub(super) height: i32,
+}
+
+impl Grid {
+    pub(super) fn new(size: [u32; 2]) -> Self {
+        Self { width: size[0] as i32, height: size[1] as i32 }
+    }
+
+    /// Index of a pixel; `None` outside.
+    #[inline]
+    pub(super) fn index(self, x: i32, y: i32) -> Option<usize> {
+        ((0..self.width).contains(&x) && (0..self.height).contains(&y)).then(|| (y * self.width + x) as usize)
+    }
+
+    /// Pixels of the square around a pixel, without itself.
+    pub(super) fn around(self, x: i32, y: i32, radius: i32) -> impl Iterator<Item = usize> {
+        square_around(radius).filter_map(move |(dx, dy)| self.index(x + dx, y + dy))
+    }
+}
+
+/// Offsets to the pixels of the square around a pixel, without itself.
+pub(super) fn square_around(radius: i32) -> impl Iterator<Item = (i32, i32)> {
+    let square = (-radius..=radius).flat_map(move |dy| (-radius..=radius).map(move |dx| (dx, dy)));
+    square.filter(|offset| *offset != (0, 0))
+}
+
+/// Number of pixels beside the rows of [`Planes`], at least the largest reach of the filter and eight more.
+pub(super) const MARGIN: usize = 16;
+
+/// `N` numbers of all pixels, row by row: a plane of the row for each number, with a margin on both sides.
+pub(super) struct Planes<const N: usize> {
+    pub(super) stride: usize,
+    numbers: Vec<f32>,
+}
+
+/// Place of eight adjoining pixels in planes: their row, and the column of the first with the margin.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub(super) row: i32,
+    pub(super) column: i32,
+}
+
+impl Place {
+    pub(super) fn new(x: usize, row: i32) -> Self {
+        Self { row, column: (x + MARGIN) as i32 }
+    }
+
+    /// Place so many pixels further; `None` above and below the picture.
+    #[inline(always)]
+    pub(super) fn moved(self, grid: Grid, dx: i32, dy: i32) -> Option<Self> {
+        let row = self.row + dy;
+        (0..grid.height).contains(&row).then_some(Self { row, column: self.column + dx })
+    }
+}
+
+impl<const N: usize> Planes<N> {
+    /// Planes that `fill` writes: it receives the planes of a row, each with its margins, and the row.
+    pub(super) fn filled(grid: Grid, fill: impl Fn(&mut [&mut [f32]; N], i32) + Sync) -> Self {
+        let stride = grid.width as usize + 2 * MARGIN;
+        let mut numbers = vec![0.0; N * stride * grid.height as usize];
+        numbers.par_chunks_mut(N * stride).enumerate().with_min_len(8).for_each(|(row, planes)| {
+            let mut planes = planes.chunks_mut(stride);
+            fill(&mut std::array::from_fn(|_| planes.next().unwrap_or_default()), row as i32);
+        });
+        Self { stride, numbers }
+    }
+
+    /// Planes of a function of all pixels; the margins have these numbers.
+    pub(super) fn new(grid: Grid, margin: [f32; N], values: impl Fn(usize) -> [f32; N] + Sync) -> Self {
+        Self::filled(grid, |planes, row| {
+            for (plane, margin) in planes.iter_mut().zip(margin) {
+                plane.fill(margin);
+            }
+            for x in 0..grid.width as usize {
+                let numbers = values(row as usize * grid.width as usize + x);
+                for (plane, number) in planes.iter_mut().zip(numbers) {
+                    plane[MARGIN + x] = number;
+                }
+            }
+        })
+    }
+
+    /// Planes of a function of eight adjoining pixels.
+    pub(super) fn of_eight(grid: Grid, values: impl Fn(Place) -> [f32x8; N] + Sync) -> Self {
+        Self::filled(grid, |planes, row| {
+            for x in (0..grid.width as usize).step_by(8) {
+                for (plane, value) in planes.iter_mut().zip(values(Place::new(x, row))) {
+                    plane[MARGIN + x..MARGIN + x + 8].copy_from_slice(&value.to_array());
+                }
+            }
+        })
+    }
+
+    /// Number `k` of eight pixels.
+    #[inline(always)]
+    pub(super) fn load(&self, k: usize, place: Place) -> f32x8 {
+        let at = (place.row as usize * N + k) * self.stride + place.column as usize;
+        f32x8::new(self.numbers[at..at + 8].try_into().unwrap_or([0.0; 8]))
+    }
+
+    /// Numbers of eight pixels.
+    #[inline(always)]
+    pub(super) fn lanes(&self, place: Place) -> [f32x8; N] {
+        // A loop is unrolled where `from_fn` becomes calls.
+        let mut lanes = [f32x8::ZERO; N];
+        for (k, lane) in lanes.iter_mut().enumerate() {
+            *lane = self.load(k, place);
+        }
+        lanes
+    }
+
+    /// Number `k` of a row, without its margins.
+    pub(super) fn row(&self, grid: Grid, k: usize, row: usize) -> &[f32] {
+        let start = (row * N + k) * self.stride + MARGIN;
+        &self.numbers[start..start + grid.width as usize]
+    }
+}
+
+/// Means over the squares around all pixels, of half this side, of four functions of a pixel.
+pub(super) fn box_means(size: [u32; 2], radius: i32, values: impl Fn(usize) -> [f32; 4] + Sync) -> Vec<BoxMeans> {
+    let grid = Grid::new(size);
+    let values = Planes::new(grid, [0.0; 5], |index| {
+        let [a, b, c, d] = values(index);
+        [a, b, c, d, 1.0]
+    });
+    // Sums over squares are sums over columns of sums over rows.
+    let sums = |values: &Planes<5>, place: Place, [dx, dy]: [i32; 2]| {
+        let mut sums = [f32x8::ZERO; 5];
+        for k in -radius..=radius {
+            let Some(there) = place.moved(grid, k * dx, k * dy) else { continue };
+            for (sum, value) in sums.iter_mut().zip(values.lanes(there)) {
+                *sum += value;
+            }
+        }
+        sums
+    };
+    let rows = Planes::of_eight(grid, |place| sums(&values, place, [1, 0]));
+    let means = Planes::<4>::of_eight(grid, |place| {
+        let [a, b, c, d, count] = sums(&rows, place, [0, 1]);
+        [a, b, c, d].map(|sum| sum / count)
+    });
+    let row = |row: usize| {
+        let planes = [0, 1, 2, 3].map(|k| means.row(grid, k, row));
+        (0..grid.width as usize).map(move |x| BoxMeans(planes.map(|plane| plane[x])))
+    };
+    (0..grid.height as usize).flat_map(row).collect()
+}
+
+/// Means of [`box_means`] at a pixel.
+pub(super) struct BoxMeans(pub(super) [f32; 4]);

@@ -1,0 +1,206 @@
+//! Light that the facets of glossy surfaces reflect, accumulated along the motion of its images.
+//!
+//! **Idea.** A reflection does not move with its surface. What a flat and smooth surface mirrors appears as far behind it
+//! as it is in front; this image stands still when the camera moves, and is looked up in the last picture. A curved
+//! surface moves the image: towards itself if it is convex, by the equation of spherical mirrors. The distance of what is
+//! mirrored is recorded with the path and averaged over the pixels around. What the last picture shows there is limited to
+//! what the samples around the pixel make plausible, since rough surfaces, and light that has come a longer way, have no
+//! sharp images.
+//!
+//! **Source.** Images of reflections as points of their own motion: Zimmer et al. 2015, "Path-space Motion Estimation and
+//! Decomposition for Robust Animation Filtering". Filters as wide as roughness and the distance of what is mirrored allow:
+//! Zhdan 2021, "ReBLUR: A Hierarchical Recurrent Denoiser".
+//!
+//! **Limits.** Images in moving surfaces start anew after a few samples. Light that is refracted on its way moves in another
+//! way than the surface that refracts it, which is taken for the image.
+
+use super::motion::EarlierPoints;
+use super::planes::{BoxMeans, box_means};
+use super::temporal::{Clamp, History, PixelMean, Samples, camera_moves, joined};
+use super::{Changes, luminance};
+use crate::integrator::guides::Guide;
+use crate::scene::FrameUniforms;
+use crate::wgsl::shared_constants;
+use glam::Vec3;
+use rayon::prelude::*;
+
+shared_constants! {
+    /// Half the side of the square over which the light of facets and the distance of what is mirrored are averaged, pixels.
+    pub(super) const IMAGE_RADIUS: i32 = 8;
+    /// Standard deviations of single samples by which a mean may differ from that of the square: five standard errors.
+    const IMAGE_REACH: f32 = 0.3;
+    /// Largest distance of points that share the light of facets, in distances of what is mirrored times alpha.
+    const LOBE_REACH: f32 = 0.5;
+    /// Least factor between the depth of an image in a flat surface and that in a curved one.
+    const MIN_MAGNIFICATION: f32 = 0.2;
+    /// Largest share of the depth of an image in its distance from the camera.
+    const MAX_IMAGE_DEPTH: f32 = 0.9999;
+    /// Least cosine between normals that show one curvature.
+    const MIN_CURVED_COSINE: f32 = 0.5;
+    /// Weight of pixels without light of facets, W/(m² sr).
+    const DARK_WEIGHT: f32 = 1e-6;
+    /// Longest history of light of facets whose image the last picture does not show, while the camera moves, samples.
+    const MAX_IMAGELESS_HISTORY: f32 = 3.0;
+}
+
+/// True if some pixel shows facets.
+pub(super) fn exist(guides: &[Guide]) -> bool {
+    guides.iter().any(Guide::has_facets)
+}
+
+/// Image of what the facets of a pixel mirror.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Image {
+    /// Distance of the image behind the surface, metres.
+    depth: f32,
+    /// Largest distance of points of the surface that share their light, metres.
+    pub(super) reach: f32,
+    /// Least and largest plausible luminance, divided as the light is filtered.
+    limits: [f32; 2],
+}
+
+/// Images of all pixels, whose facets reflect this light, divided as it is filtered.
+pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]) -> Vec<Image> {
+    let size = frame.size();
+    let around = box_means(size, IMAGE_RADIUS, |index| {
+        let guide = &guides[index];
+        let light = luminance(reflected[index]);
+        let weight = if guide.has_facets() { luminance(guide.reflected.radiance) + DARK_WEIGHT } else { 0.0 };
+        [light, light * light, weight, weight * guide.reflected.depth]
+    });
+    let image = |(guide, BoxMeans([mean, square, weight, weighted_depth])): (usize, &BoxMeans)| {
+        let (index, guide) = (guide, &guides[guide]);
+        if !guide.has_facets() {
+            return Image::default();
+        }
+        let depth = (weighted_depth / weight).min(MAX_IMAGE_DEPTH);
+        let distance = guide.length * depth / (1.0 - depth);
+        let bent = 1.0 + 2.0 * curvature(guides, size, index) * distance;
+        let reach = (square - mean * mean).max(0.0).sqrt() * IMAGE_REACH;
+        Image {
+            depth: distance / bent.max(MIN_MAGNIFICATION),
+            reach: LOBE_REACH * guide.reflected.alpha * distance,
+            limits: [(mean - reach).max(0.0), mean + reach],
+        }
+    };
+    around.par_iter().enumerate().with_min_len(1024).map(image).collect()
+}
+
+/// Mean curvature of a surface at a pixel, per metre; above 0 if it is convex.
+fn curvature(guides: &[Guide], size: [u32; 2], index: usize) -> f32 {
+    let [width, height] = size.map(|side| side as i32);
+    let (x, y, guide) = (index as i32 % width, index as i32 / width, &guides[index]);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+        let (column, row) = (x + dx, y + dy);
+        if !(0..width).contains(&column) || !(0..height).contains(&row) {
+            continue;
+        }
+        let there = &guides[(row * width + column) as usize];
+        let apart = there.position - guide.position;
+        let square = apart.length_squared();
+        let is_same = there.object == guide.object && there.class == guide.class;
+        if is_same && square > 0.0 && there.normal.dot(guide.normal) >= MIN_CURVED_COSINE {
+            sum += (there.normal - guide.normal).dot(apart) / square;
+            count += 1.0;
+        }
+    }
+    sum / f32::max(count, 1.0)
+}
+
+/// Joins new samples of the light of facets with the past, if the last picture showed any.
+pub(super) fn accumulated(
+    frame: &FrameUniforms,
+    guides: &[Guide],
+    images: &[Image],
+    new: Samples,
+    past: Option<(&History, &[PixelMean], &EarlierPoints)>,
+    changes: &Changes,
+) -> Vec<PixelMean> {
+    let moves = past.is_some_and(|(past, ..)| camera_moves(&past.frame, frame));
+    let eye = Vec3::from(frame.position);
+    let past = past.filter(|_| changes.max_history > 0.0);
+    let join = |index: usize| {
+        let (guide, image) = (&guides[index], &images[index]);
+        let alone = PixelMean::alone(&new, index, guide.reflected.square);
+        let Some((past, means, earlier)) = past.filter(|_| guide.has_facets()) else { return alone };
+        let earlier = earlier.at(index, guide);
+        let sought = past.sought(guide, earlier, frame);
+        let mirrored = guide.position + (guide.position - eye).normalize() * image.depth;
+        // In a surface that moves, the image moves as well.
+        let stands_still = earlier.position == guide.position;
+        let place = past.projection.project(mirrored).filter(|_| stands_still && moves);
+        let of_image = place.and_then(|place| past.mean_at(place, means, |index| past.shows_reflector(index, &sought)));
+        let found = of_image.or_else(|| {
+            let mut mean = past.find(&sought, means)?;
+            mean.length = if moves { mean.length.min(MAX_IMAGELESS_HISTORY) } else { mean.length };
+            Some(mean)
+        });
+        let clamp = Clamp { limits: (moves || changes.scene).then_some(image.limits), max_length: changes.max_history };
+        found.map_or(alone, |found| joined(found, alone, clamp))
+    };
+    (0..guides.len()).into_par_iter().with_min_len(1024).map(join).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::RenderInput;
+    use crate::settings::Settings;
+    use pathmarch_scene::Scene;
+
+    /// Guides of the middle of a picture that shows an object of metal, which mirrors what is 3 m away, and their images.
+    fn images_in(object: &str) -> (Vec<Guide>, Vec<Image>) {
+        let text = format!(
+            "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nsky 1\n\
+             material \"metal\" {{ metal 0.5; roughness 0.2 }}\nobject \"mirror\" material=\"metal\" {{ {object} }}"
+        );
+        let scene = Scene::parse("test.kdl", &text).expect("a scene");
+        let input = RenderInput::new(&scene, &Settings { size: [24, 24], ..Settings::of(&scene) });
+        let pixels: Vec<(u32, u32)> = (0..576).map(|index| (index % 24, index / 24)).collect();
+        let (_, mut guides) = input.sample_with_guides(&input.context(None), &pixels, 0);
+        for guide in &mut guides {
+            guide.reflected.depth = 3.0 / (3.0 + guide.length);
+        }
+        let images = images(&input.frame, &guides, &vec![Vec3::ONE; 576]);
+        (guides, images)
+    }
+
+    #[test]
+    fn images_in_flat_mirrors_are_as_far_behind_them() {
+        let (guides, images) = images_in("rect 4 { normal 0 0 1 }");
+        for (guide, image) in guides.iter().zip(&images) {
+            assert!(guide.has_facets() && (image.depth - 3.0).abs() < 0.02, "{}", image.depth);
+            // Alpha is the square of the roughness.
+            assert!((image.reach - LOBE_REACH * 0.04 * 3.0).abs() < 1e-3, "{}", image.reach);
+        }
+    }
+
+    #[test]
+    fn images_in_convex_mirrors_are_nearer() {
+        let (_, images) = images_in("sphere 1");
+        // Equation of spherical mirrors with a radius of 1 m: 1/3 + 2/1 = 1/depth.
+        let middle = images[12 * 24 + 12].depth;
+        assert!((middle - 3.0 / 7.0).abs() < 0.02, "{middle}");
+    }
+
+    #[test]
+    fn light_of_facets_is_split_from_that_of_the_base() {
+        let text = "pathmarch 1\ncamera { position 0 4 0.1; target 0 0 0; fov 20 }\nsky 1\n\
+            material \"varnish\" { principled 0.5; roughness 0.1 }\nmaterial \"chalk\" { diffuse 0.5 }\n\
+            object \"floor\" material=\"MATERIAL\" { plane }";
+        for (material, range) in [("varnish", 0.06..0.1), ("chalk", -1e-9..1e-9)] {
+            let scene = Scene::parse("test.kdl", &text.replace("MATERIAL", material)).expect("a scene");
+            let input = RenderInput::new(&scene, &Settings { size: [24, 24], ..Settings::of(&scene) });
+            let pixels: Vec<(u32, u32)> = (0..576).map(|index| (index % 24, index / 24)).collect();
+            let mut share = 0.0;
+            for sample in 0..16 {
+                let (radiance, guides) = input.sample_with_guides(&input.context(None), &pixels, sample);
+                let reflected: Vec3 = guides.iter().map(|guide| guide.reflected.radiance).sum();
+                share += luminance(reflected) / luminance(radiance.iter().sum::<Vec3>()) / 16.0;
+            }
+            // From above, 0.04 is reflected, and half of the rest is scattered.
+            assert!(range.contains(&share), "{material}: {share}");
+        }
+    }
+}

@@ -1,0 +1,119 @@
+// import: reconstruct/history
+// Light of facets. Twin of reflections.rs, which explains it.
+
+/// Divides the light that facets reflect by their colour.
+@compute @workgroup_size(8, 8)
+fn divide_reflected(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    let pixel = pixel_index(position);
+    let guide = guide_at(pixel);
+    let light = guide.reflected / reflection_divisor(guide);
+    estimates[pixel] = vec4f(light, luminance(light));
+}
+
+/// Adds up luminance, its square, weight and weighted depth along the rows.
+@compute @workgroup_size(8, 8)
+fn add_up_rows(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    var sum = vec4f(0.0);
+    for (var x = max(position.x - IMAGE_RADIUS, 0); x <= min(position.x + IMAGE_RADIUS, i32(uniforms.width) - 1); x++) {
+        let pixel = pixel_index(vec2i(x, position.y));
+        let words = guides[4u * pixel + 3u];
+        let weight = select(0.0, luminance(bitcast<vec3f>(words.xyz)) + DARK_WEIGHT, (words.w >> 24u) != 0u);
+        let light = estimates[pixel].w;
+        sum += vec4f(light, light * light, weight, weight * depth_of_facets(words.w));
+    }
+    images[pixel_index(position)] = sum;
+}
+
+/// Mean curvature of a surface at a pixel, per metre; above 0 if it is convex.
+fn curvature(position: vec2i, guide: Guide) -> f32 {
+    var sum = 0.0;
+    var count = 0.0;
+    for (var k = 0; k < 4; k++) {
+        let step = select(-1, 1, k < 2);
+        let place = position + select(vec2i(0, step), vec2i(step, 0), (k & 1) == 0);
+        if !is_inside(place) {
+            continue;
+        }
+        let there = guide_at(pixel_index(place));
+        let apart = there.position - guide.position;
+        let square = dot(apart, apart);
+        let is_same = there.object == guide.object && there.guide_class == guide.guide_class;
+        if is_same && square > 0.0 && dot(there.normal, guide.normal) >= MIN_CURVED_COSINE {
+            sum += dot(there.normal - guide.normal, apart) / square;
+            count += 1.0;
+        }
+    }
+    return sum / max(count, 1.0);
+}
+
+/// Finds the image of what the facets of each pixel mirror, from the sums along rows.
+@compute @workgroup_size(8, 8)
+fn find_images(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    let pixel = pixel_index(position);
+    next_estimates[pixel] = vec4f(0.0);
+    let guide = guide_at(pixel);
+    if guide.alpha == 0.0 {
+        return;
+    }
+    let columns = min(position.x + IMAGE_RADIUS, i32(uniforms.width) - 1) - max(position.x - IMAGE_RADIUS, 0) + 1;
+    var sum = vec4f(0.0);
+    var count = 0.0;
+    for (var y = max(position.y - IMAGE_RADIUS, 0); y <= min(position.y + IMAGE_RADIUS, i32(uniforms.height) - 1); y++) {
+        sum += images[pixel_index(vec2i(position.x, y))];
+        count += f32(columns);
+    }
+    let depth = min(sum.w / sum.z, MAX_IMAGE_DEPTH);
+    let distance = path_length(guide) * depth / (1.0 - depth);
+    let bent = 1.0 + 2.0 * curvature(position, guide) * distance;
+    let mean = sum.x / count;
+    let reach = sqrt(max(sum.y / count - mean * mean, 0.0)) * IMAGE_REACH;
+    next_estimates[pixel] =
+        vec4f(distance / max(bent, MIN_MAGNIFICATION), LOBE_REACH * guide.alpha * distance, max(mean - reach, 0.0), mean + reach);
+}
+
+/// Continues the means of the last picture.
+@compute @workgroup_size(8, 8)
+fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
+    let position = vec2i(id.xy);
+    if !is_inside(position) {
+        return;
+    }
+    let pixel = pixel_index(position);
+    let guide = guide_at(pixel);
+    let alone = new_mean(estimates[pixel].xyz, guide.reflected_square);
+    history[pixel] = alone;
+    if uniforms.max_history <= 0.0 || uniforms.past_has_facets == 0u || guide.alpha == 0.0 {
+        return;
+    }
+    let image = images[pixel];
+    let moved = earlier(guide, pixel);
+    let side = coarser_pixel(guide);
+    let moves = uniforms.camera_moves != 0u;
+    var found: History;
+    // In a surface that moves, the image moves as well.
+    if moves && all(moved.position == guide.position) {
+        let mirrored = guide.position + normalize(guide.position - uniforms.position) * image.x;
+        found = mean_at(project_before(mirrored), moved, side, true);
+    }
+    if found.length <= 0.0 {
+        found = mean_at(project_before(moved.position), moved, side, false);
+        found.length = select(found.length, min(found.length, MAX_IMAGELESS_HISTORY), moves);
+    }
+    if found.length <= 0.0 {
+        return;
+    }
+    let limits = select(vec2f(0.0, 3e38), image.zw, moves || uniforms.scene_changed != 0u);
+    history[pixel] = joined(found, alone, limits, uniforms.max_history);
+}
