@@ -2,7 +2,7 @@
 //! without noise stay as they are.
 
 use crate::common::{cpu, data, on_each_backend, parse};
-use pathmarch_render::denoise::{DenoiseError, Denoiser, Features, HalfBuffers, HalfFilms};
+use pathmarch_render::denoise::{DenoiseError, Denoiser, Features, HalfBuffers, HalfFilms, SequenceDenoiser};
 use pathmarch_render::film::Film;
 use pathmarch_render::image::{self, Picture};
 use pathmarch_render::metrics::relmse;
@@ -210,6 +210,126 @@ fn features_of_another_size_are_refused() {
     assert!(matches!(result, Err(DenoiseError::SizeMismatch)));
 }
 
+/// Frames of a sequence on the CPU: denoised one by one, and joined.
+fn sequence(frames: u32, scene: impl Fn(u32) -> Scene, samples: u32) -> Vec<[Picture; 2]> {
+    let mut denoiser = SequenceDenoiser::new();
+    let frame = |frame| {
+        let scene = scene(frame);
+        let settings = Settings { samples, ..Settings::of(&scene) };
+        let halves = halves(&cpu(), &scene, &settings);
+        let features = Features::trace(&scene, &settings, samples).expect("features");
+        let apart = Denoiser::Regression.denoise(&halves, &features).expect("a picture");
+        [apart, denoiser.denoise(&halves, &features).expect("a picture")]
+    };
+    (0..frames).map(frame).collect()
+}
+
+/// Wall with a board in front of it, below a small lamp. The camera is `x` metres to the right.
+fn board(x: f32, power: f32) -> Scene {
+    parse(&format!(
+        "pathmarch 1\ncamera {{ position {x} 0 2; target {x} 0 0; fov 53.130102 }}\n\
+         render {{ size 96 64; bounces 2 }}\nmaterial \"lamp\" {{ emit {power} }}\n\
+         material \"checker\" {{ diffuse {{ checker size=0.25 {{ colour 0.2; colour 0.8 }} }} }}\n\
+         object \"wall\" material=\"checker\" {{ rect 9 9 {{ normal 0 0 1 }} }}\n\
+         object \"lamp\" material=\"lamp\" {{ rect 1 1 {{ normal 0 -1 0; at 0 2 1 }} }}\n\
+         object \"board\" {{ box 1 0.05 0.5 {{ at 0 0.3 0.3 }} }}"
+    ))
+}
+
+/// Width of a pixel of these pictures on the wall, metres: 2 m / 64.
+const WALL_PIXEL: f32 = 0.03125;
+
+/// Mean absolute difference of pixels at `chosen` in a picture and of those `shift` pixels to the right in another.
+fn change(now: &Picture, before: &Picture, shift: i64, chosen: impl Fn(u32, u32) -> bool) -> f64 {
+    let (mut sum, mut count) = (0.0, 0);
+    for y in 0..now.height {
+        for x in (0..now.width).filter(|x| chosen(*x, y)) {
+            let there = u32::try_from(i64::from(x) + shift).ok().and_then(|x| before.get(x, y));
+            let (Some(a), Some(b)) = (now.get(x, y), there) else { continue };
+            sum += (0..3).map(|k| f64::from((a[k] - b[k]).abs())).sum::<f64>();
+            count += 3;
+        }
+    }
+    assert!(count > 300, "{count} values");
+    sum / f64::from(count)
+}
+
+fn pictures_at_rest_are_those_of_stills() {
+    for (index, [apart, joined]) in sequence(3, |_| board(0.0, 20.0), 8).iter().enumerate() {
+        assert!(apart == joined, "frame {index}");
+    }
+}
+
+/// Each frame is shifted by two pixels, so that the frame before is known without interpolation.
+fn noise_does_not_flicker_when_the_camera_moves() {
+    let frames = sequence(6, |frame| board(2.0 * WALL_PIXEL * frame as f32, 20.0), 8);
+    assert!(frames[0][0] == frames[0][1], "the first frame is a still");
+    let is_wall = |_: u32, y: u32| y > 36;
+    let flicker = |k: usize| -> f64 {
+        (3..6).map(|frame: usize| change(&frames[frame][k], &frames[frame - 1][k], 2, is_wall)).sum()
+    };
+    let (apart, joined) = (flicker(0), flicker(1));
+    println!("change on the wall: apart {apart:.2e}, joined {joined:.2e}");
+    assert!(joined < 0.6 * apart, "{joined} of {apart}");
+    let scene = board(10.0 * WALL_PIXEL, 20.0);
+    let reference = cpu().render(&scene, &Settings { samples: 1024, seed: 1, ..Settings::of(&scene) });
+    let reference = reference.expect("a film").mean();
+    let errors = frames[5].each_ref().map(|picture| relmse(picture, &reference).expect("one size"));
+    println!("relMSE: {errors:?}");
+    assert!(errors[1] < errors[0], "relMSE {errors:?}");
+}
+
+fn a_light_that_switches_leaves_no_trail() {
+    let power = |frame: u32| if frame < 4 { 20.0 } else { 1.0 };
+    let frames = sequence(6, |frame| board(2.0 * WALL_PIXEL * frame as f32, power(frame)), 8);
+    for frame in [4, 5] {
+        let scene = board(2.0 * WALL_PIXEL * frame as f32, power(frame));
+        let reference = cpu().render(&scene, &Settings { samples: 1024, seed: 1, ..Settings::of(&scene) });
+        let reference = reference.expect("a film").mean();
+        let errors = frames[frame as usize].each_ref().map(|picture| relmse(picture, &reference).expect("one size"));
+        println!("frame {frame}: relMSE {errors:?}");
+        assert!(errors[1] < 1.01 * errors[0], "frame {frame}: relMSE {errors:?}");
+    }
+}
+
+/// A wall with a roof moves before the sky: light on it moves along.
+fn moved_objects_are_followed() {
+    let scene = |frame: u32| {
+        let x = 3.0 * WALL_PIXEL * frame as f32 - 0.5;
+        parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 0 2; target 0 0 0; fov 53.130102 }}\n\
+             render {{ size 96 64; bounces 2 }}\nsky 1\n\
+             object \"niche\" {{ union {{ box 1 1.2 0.4 {{ at 0 0 -0.2 }}; box 1 0.1 1 {{ at 0 0.5 0.5 }}; at {x} 0 0 }} }}"
+        ))
+    };
+    let frames = sequence(6, scene, 8);
+    // The face of the wall, 32 pixels wide, in the last frame: x = -0.03.
+    let is_face = |x: u32, y: u32| (36..60).contains(&x) && (26..46).contains(&y);
+    let flicker = [0, 1].map(|k: usize| change(&frames[5][k], &frames[4][k], -3, is_face));
+    println!("change on the object: {flicker:?}");
+    assert!(flicker[1] < 0.6 * flicker[0], "{flicker:?}");
+}
+
+fn sequences_start_anew_when_told_and_at_another_size() {
+    let scene = board(0.0, 20.0);
+    let mut denoiser = SequenceDenoiser::new();
+    let mut next = |seed: u32, size: [u32; 2], forgets: bool| {
+        let settings = Settings { samples: 8, seed, size, ..Settings::of(&scene) };
+        let halves = halves(&cpu(), &scene, &settings);
+        let features = Features::trace(&scene, &settings, 8).expect("features");
+        if forgets {
+            denoiser.forget();
+            assert!(!denoiser.has_past());
+        }
+        let joined = denoiser.denoise(&halves, &features).expect("a picture");
+        joined == Denoiser::Regression.denoise(&halves, &features).expect("a picture")
+    };
+    assert!(next(0, [48, 32], false), "the first");
+    assert!(!next(1, [48, 32], false), "another seed");
+    assert!(next(2, [48, 32], true), "forgotten");
+    assert!(next(3, [40, 30], false), "another size");
+}
+
 tests! {
     plain: [
         a_picture_with_little_noise_gets_no_worse,
@@ -219,6 +339,11 @@ tests! {
         tiny_pictures_and_single_samples_are_denoised,
         motion_blur_is_denoised,
         features_of_another_size_are_refused,
+        pictures_at_rest_are_those_of_stills,
+        noise_does_not_flicker_when_the_camera_moves,
+        a_light_that_switches_leaves_no_trail,
+        moved_objects_are_followed,
+        sequences_start_anew_when_told_and_at_another_size,
     ],
     on_each_backend: [errors_fall_and_energy_is_kept, halves_add_up_to_the_film],
 }

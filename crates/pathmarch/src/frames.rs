@@ -50,6 +50,10 @@ impl FrameRange {
     pub fn from_to(first: u32, last: u32) -> Self {
         Self { first: first.min(last), last, step: 1 }
     }
+    /// Difference between consecutive numbers.
+    pub fn step(self) -> u32 {
+        self.step
+    }
     /// Frame numbers.
     pub fn numbers(self) -> impl Iterator<Item = u32> {
         (self.first..=self.last).step_by(self.step as usize)

@@ -26,7 +26,17 @@ pub struct Rendered<'a> {
 /// Denoised picture, with its denoiser.
 pub struct Denoised {
     pub denoiser: Denoiser,
+    /// True if it is averaged with the frame before.
+    pub is_joined: bool,
     pub picture: Picture,
+}
+
+impl Denoised {
+    /// Name of the method, as files record it.
+    fn name(&self) -> String {
+        let temporal = if self.is_joined { ", temporal" } else { "" };
+        format!("{}{temporal}", self.denoiser.name())
+    }
 }
 
 /// Layer of the picture before it was denoised.
@@ -76,7 +86,7 @@ impl Rendered<'_> {
             adapter: self.backend.adapter.clone(),
             backend: self.backend.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            denoiser: self.denoised.as_ref().map(|denoised| denoised.denoiser.name().to_owned()),
+            denoiser: self.denoised.as_ref().map(Denoised::name),
         };
         let mean = self.settings.mode.picture(self.film);
         if self.denoised.is_some() && !layers.is_empty() {

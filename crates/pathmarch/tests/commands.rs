@@ -284,16 +284,55 @@ fn pictures_are_denoised_on_request() {
     assert!(!directory.path().join("wrong.exr").exists());
 }
 
+/// Wall below a lamp, along which the camera moves.
+const PASSING: &str = "pathmarch 1
+camera { position \"0.1*frame\" 0 2; target \"0.1*frame\" 0 0 }
+render { size 32 18; bounces 1 }
+material \"lamp\" { emit 20 }
+object \"wall\" { rect 9 9 { normal 0 0 1 } }
+object \"lamp\" material=\"lamp\" { rect 1 1 { normal 0 -1 0; at 0 2 1 } }
+";
+
 #[test]
 fn sequences_are_denoised() {
     let directory = tempfile::tempdir().expect("a directory");
-    std::fs::write(directory.path().join("moving.kdl"), MOVING).expect("written");
-    let arguments = ["render", "moving.kdl", "--frames", "1-2", "--denoise", "--backend", "cpu", "-o", "out-#.exr"];
-    let output = pathmarch(&arguments, directory.path());
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
-    for name in ["out-1.exr", "out-2.exr"] {
-        let provenance = load(&directory.path().join(name)).expect("written").provenance.expect("of an EXR file");
-        assert_eq!(provenance.denoiser.as_deref(), Some("regression"));
+    std::fs::write(directory.path().join("moving.kdl"), PASSING).expect("written");
+    let render = |name: &str, more: &[&str]| {
+        let fixed = ["render", "moving.kdl", "--denoise", "--samples", "4", "--backend", "cpu", "-o", name];
+        let output = pathmarch(&[&fixed[..], more].concat(), directory.path());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+    };
+    let file = |name: &str| load(&directory.path().join(name)).expect("written");
+    let denoiser = |name: &str| file(name).provenance.expect("of an EXR file").denoiser.expect("denoised");
+    render("joined-#.exr", &["--frames", "1-4"]);
+    render("apart-#.exr", &["--frames", "1-4", "--denoise-temporal", "off"]);
+    assert_eq!(
+        ["joined-1.exr", "joined-2.exr", "apart-2.exr"].map(denoiser),
+        ["regression", "regression, temporal", "regression"]
+    );
+    assert!(file("joined-1.exr").picture == file("apart-1.exr").picture, "the first frame is a still");
+    assert!(file("joined-2.exr").picture != file("apart-2.exr").picture);
+    // Frames wait for each other, however many there are at a time.
+    render("parallel-#.exr", &["--frames", "1-4", "--parallel", "3"]);
+    for frame in 1..=4 {
+        let [a, b] = ["joined", "parallel"].map(|name| file(&format!("{name}-{frame}.exr")).picture);
+        assert!(a == b, "frame {frame}");
+    }
+    // A frame after one that an earlier run has written starts anew.
+    for frame in [1, 3, 4] {
+        std::fs::remove_file(directory.path().join(format!("joined-{frame}.exr"))).expect("removed");
+    }
+    render("joined-#.exr", &["--frames", "1-4", "--skip-existing"]);
+    assert!(file("joined-3.exr").picture == file("apart-3.exr").picture);
+    assert_eq!(denoiser("joined-4.exr"), "regression, temporal");
+
+    for (wrong, words) in [
+        (&["--denoise-temporal", "on"][..], "--frames"),
+        (&["--denoise=oidn", "--denoise-temporal", "on", "--frames", "1-2"], "can be averaged, not those of oidn"),
+    ] {
+        let output = pathmarch(&[&["render", "moving.kdl", "-o", "wrong-#.exr"], wrong].concat(), directory.path());
+        assert_eq!(code(&output), 2, "{wrong:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(words), "{wrong:?}: {}", stderr(&output));
     }
 }
 

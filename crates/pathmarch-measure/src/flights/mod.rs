@@ -6,6 +6,7 @@
 //! **Cost.** The references: about two minutes a flight on two cores by default.
 
 mod compare;
+mod denoised;
 mod flight;
 
 use crate::measure::Interrupt;
@@ -48,6 +49,15 @@ pub struct Arguments {
     /// Compare every so many frames, and the last one
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = value_parsers::whole((1, FRAMES)), allow_hyphen_values = true)]
     every: u32,
+    /// Measure final frames of this many samples instead, denoised one by one and joined
+    #[arg(long, value_name = "SAMPLES", value_parser = value_parsers::whole((2, 65_536)), allow_hyphen_values = true)]
+    denoise: Option<u32>,
+    /// Frames in motion of which --denoise measures every one
+    #[arg(long, value_name = "RANGE", default_value = "9-16", value_parser = denoised::parse_range)]
+    frames: denoised::Range,
+    /// Rest after this many frames of motion, for --denoise
+    #[arg(long, value_name = "N", default_value_t = MOVING_FRAMES, value_parser = value_parsers::whole((0, MOVING_FRAMES)), allow_hyphen_values = true)]
+    rest_after: u32,
 }
 
 type SizeArgument = [u32; 2];
@@ -199,7 +209,10 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     }
     let all = if arguments.flights.is_empty() { flight::built_in() } else { arguments.flights.clone() };
     for flight in &all {
-        fly(flight, arguments, &interrupt)?;
+        match arguments.denoise {
+            Some(samples) => denoised::fly(flight, arguments, samples, &interrupt)?,
+            None => fly(flight, arguments, &interrupt)?,
+        }
     }
     Ok(DONE)
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// Half the side of the square in which the variances of edges are estimated, pixels.
 const VARIANCE_RADIUS: usize = 2;
 
-/// Radiance of a picture.
+/// Radiance of a picture, before [`keep_energy`].
 pub(super) fn composed(signal: &Signal, features: &Features, irradiance: &[Vec3]) -> Vec<Vec3> {
     let sample_weights = sample_weights(signal, features, irradiance);
     let colour = |(index, irradiance): (usize, &Vec3)| {
@@ -26,10 +26,13 @@ pub(super) fn composed(signal: &Signal, features: &Features, irradiance: &[Vec3]
         };
         if colour.is_finite() { colour } else { samples }
     };
-    let mut colours: Vec<Vec3> = irradiance.par_iter().enumerate().map(colour).collect();
-    let scale = energy_scale(&signal.radiance, &colours);
+    irradiance.par_iter().enumerate().map(colour).collect()
+}
+
+/// Scales colours so that each channel has the mean of the samples.
+pub(super) fn keep_energy(signal: &Signal, colours: &mut [Vec3]) {
+    let scale = energy_scale(&signal.radiance, colours);
     colours.par_iter_mut().for_each(|colour| *colour *= scale);
-    colours
 }
 
 /// Weight of the samples against the prediction, for mixed pixels.

@@ -3,6 +3,7 @@
 //! **Idea.** Camera rays of the picture's own first samples, so that edges, depth of field and antialiasing agree with
 //! those of the picture. A ray passes mirrors and smooth glass as a path does, so that the features of a reflection are
 //! those of what is reflected; it ends at solids inside which light is scattered. Two halves of the rays measure the noise of the features.
+//! Mirror images, leaves and the spread of the positions are for [`temporal`](super::temporal).
 //!
 //! **Source.** Feature buffers with half buffers: Rousselle, Manzi, Zwicker 2013, "Robust Denoising using Feature and
 //! Color Information".
@@ -20,8 +21,8 @@ use crate::intersect::ray::{Ray, RaySegment};
 use crate::job::Shutter;
 use crate::sampling::basis::{basis, local_viewer};
 use crate::sampling::sobol::{PixelSampler, hash, pair};
-use crate::scene::TraceContext;
 use crate::scene::material::{DELTA, GLOWS};
+use crate::scene::{FrameUniforms, RenderScene, TraceContext};
 use crate::settings::Settings;
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
@@ -29,7 +30,7 @@ use glam::Vec3;
 use pathmarch_field::graph::Batch;
 use pathmarch_scene::{Animation, Scene};
 use rayon::prelude::*;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Number of camera rays of a pixel of 16 to 128 samples.
 pub const FEW_RAYS: u32 = 16;
@@ -57,10 +58,76 @@ pub struct PixelFeatures {
     pub length: f32,
     /// Number of rays that reach a surface that scatters light.
     pub surfaces: f32,
+    /// Point at the length of the path on the straight camera ray: the position itself, or that of its mirror image,
+    /// metres.
+    pub image: Vec3,
+    /// Sum of the squared distances of the positions from their mean, square metres.
+    pub squared_spread: f32,
+    /// Leaf of the surface that all rays reach.
+    pub(super) leaf: SeenLeaf,
+    /// Surface next to the camera.
+    pub(super) front: Option<FrontPoint>,
+}
+
+/// First point of a camera ray on a surface of any kind.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FrontPoint {
+    /// Position in world space, metres.
+    pub(super) position: Vec3,
+    /// Unit normal on the side of the camera.
+    pub(super) normal: Vec3,
+    /// Distance from the camera, metres.
+    pub(super) length: f32,
+    pub(super) leaf: u32,
+}
+
+impl FrontPoint {
+    /// The nearer of two points.
+    pub(super) fn nearer(a: Option<Self>, b: Option<Self>) -> Option<Self> {
+        match (a, b) {
+            (Some(a), Some(b)) => Some(if b.length < a.length { b } else { a }),
+            (a, b) => a.or(b),
+        }
+    }
+}
+
+/// Leaf of the surfaces that camera rays reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum SeenLeaf {
+    /// No surface.
+    #[default]
+    None,
+    /// One leaf, seen directly.
+    Direct(u32),
+    /// One leaf, through mirrors or glass.
+    Indirect(u32),
+    /// Several leaves.
+    Several,
+}
+
+impl SeenLeaf {
+    /// Leaf of the rays of both.
+    fn joined(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::None, leaf) | (leaf, Self::None) => leaf,
+            (a, b) if a == b => a,
+            _ => Self::Several,
+        }
+    }
 }
 
 impl std::ops::AddAssign for PixelFeatures {
     fn add_assign(&mut self, other: Self) {
+        self.squared_spread += other.squared_spread;
+        if self.surfaces > 0.0 && other.surfaces > 0.0 {
+            // Sums of two parts: pairwise algorithm, Chan et al. 1983.
+            let apart = self.position / self.surfaces - other.position / other.surfaces;
+            let count = self.surfaces * other.surfaces / (self.surfaces + other.surfaces);
+            self.squared_spread += apart.length_squared() * count;
+        }
+        self.leaf = self.leaf.joined(other.leaf);
+        self.front = FrontPoint::nearer(self.front, other.front);
+        self.image += other.image;
         self.albedo += other.albedo;
         self.emission += other.emission;
         self.normal += other.normal;
@@ -80,6 +147,15 @@ pub struct Features {
     pub pixel: f32,
     /// Sums of both halves, pixel by pixel, the top row first.
     pub halves: [Vec<PixelFeatures>; 2],
+    /// Scene and camera; with motion blur, at a moment while the shutter is open.
+    pub(super) view: View,
+}
+
+/// Scene and camera of a picture.
+#[derive(Clone, Debug)]
+pub(super) struct View {
+    pub(super) scene: Arc<RenderScene>,
+    pub(super) frame: FrameUniforms,
 }
 
 impl Features {
@@ -126,16 +202,16 @@ impl Features {
         let [width, height] = settings.size;
         let pixels: Vec<(u32, u32)> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
         let mut halves = [vec![PixelFeatures::default(); pixels.len()], vec![PixelFeatures::default(); pixels.len()]];
-        let mut pixel = 0.0;
+        let first = input_at(settings.first_sample)?;
+        let view = View { scene: first.scene, frame: first.frame };
         for ray in 0..2 * rays {
             let sample = settings.first_sample + ray;
             let input = input_at(sample)?;
             let ctx = input.context(None);
-            pixel = ctx.frame.pixel;
             let sums = halves[(ray / rays) as usize].par_chunks_mut(BATCH_PIXELS);
             sums.zip(pixels.par_chunks(BATCH_PIXELS)).for_each(|(sums, pixels)| trace_rays(&ctx, pixels, sample, sums));
         }
-        Ok(Self { rays, pixel, halves })
+        Ok(Self { rays, pixel: view.frame.pixel, halves, view })
     }
 }
 
@@ -162,6 +238,7 @@ fn trace_rays(ctx: &TraceContext, pixels: &[(u32, u32)], sample: u32, sums: &mut
 struct Walk {
     /// Index of the pixel.
     slot: usize,
+    camera_ray: Ray,
     ray: Ray,
     sampler: PixelSampler,
     throughput: Vec3,
@@ -173,7 +250,16 @@ struct Walk {
 
 impl Walk {
     fn new(ctx: &TraceContext, slot: usize, ray: Ray, sampler: PixelSampler) -> Self {
-        Self { slot, ray, sampler, throughput: Vec3::ONE, medium: Vec3::from(ctx.frame.medium), length: 0.0 }
+        let camera_ray = ray;
+        Self {
+            slot,
+            camera_ray,
+            ray,
+            sampler,
+            throughput: Vec3::ONE,
+            medium: Vec3::from(ctx.frame.medium),
+            length: 0.0,
+        }
     }
 }
 
@@ -210,6 +296,11 @@ fn scattered(
     sums: &mut [PixelFeatures],
 ) -> Option<Walk> {
     let &SurfaceInteraction { p, normal, inside, normal_offset, .. } = interaction;
+    if surface_index == 0 {
+        let point = FrontPoint { position: p, normal, length: walk.length, leaf: interaction.leaf as u32 };
+        let front = &mut sums[walk.slot].front;
+        *front = FrontPoint::nearer(*front, Some(point));
+    }
     let leaf = &ctx.scene.leaves[interaction.leaf];
     let material = &ctx.scene.materials[leaf.material as usize];
     if material.emits() {
@@ -239,6 +330,13 @@ fn scattered(
             material: hash(leaf.material) as f32 / u32::MAX as f32,
             length: walk.length,
             surfaces: 1.0,
+            image: walk.camera_ray.origin + walk.camera_ray.direction * walk.length,
+            squared_spread: 0.0,
+            leaf: match surface_index {
+                0 => SeenLeaf::Direct(interaction.leaf as u32),
+                _ => SeenLeaf::Indirect(interaction.leaf as u32),
+            },
+            front: None,
         };
         return None;
     }

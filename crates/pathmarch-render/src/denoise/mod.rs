@@ -5,20 +5,22 @@
 //! albedo, so that textures are not blurred. (4) `outliers`: fireflies are limited. (5) `regression`: planes in the space
 //! of the features are fitted through windows, first small ones, then large ones whose weights compare the result of
 //! the first. (6) `residual`: what the filter has removed and both halves show is no noise, and is added back; so is the
-//! mean over large squares, so that no light is lost. (7) `compose`: back to radiance. All of it runs on the CPU,
-//! whichever backend has rendered the picture.
+//! mean over large squares, so that no light is lost. (7) `temporal`: in a sequence, the irradiance is averaged with that
+//! of the frame before at the same points, and `front` does so at edges. (8) `compose`: back to radiance. All of it runs on the CPU, whichever backend
+//! has rendered the picture.
 //!
 //! **Source.** Bitterli et al. 2016, "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings";
 //! Rousselle, Manzi, Zwicker 2013, "Robust Denoising using Feature and Color Information". They choose among filters by
 //! an estimate of the error; here one filter is followed by a Wiener filter of its residual, at several scales.
 //!
-//! **Limits.** Frames of a sequence are filtered one by one. With depth of field and motion blur, features have noise
+//! **Limits.** With depth of field and motion blur, features have noise
 //! of their own, and the filter removes less.
 //!
 //! **Cost.** 1.0 s of one core for 640x360 pixels, and [`features::FEW_RAYS`] or more camera rays a pixel.
 
 mod compose;
 pub mod features;
+mod front;
 mod grid;
 pub mod halves;
 mod normal_equations;
@@ -28,17 +30,20 @@ mod outliers;
 mod regression;
 mod residual;
 mod signal;
+mod temporal;
 
 pub use crate::output::half_films::HalfFilms;
 use crate::output::half_films::Means;
 use crate::output::image::Picture;
 pub use features::Features;
+use front::{Composed, Fronts};
 use glam::Vec3;
 pub use halves::HalfBuffers;
 pub use oidn::LIBRARY_VARIABLE;
 use rayon::prelude::*;
 use regression::{Pilot, Regression, Stage};
 use signal::Signal;
+use temporal::{Filtered, Past};
 
 /// Stages of the regression: small windows for a first estimate, then large ones.
 const STAGES: [Stage; 2] = [Stage { radius: 4, stride: 3 }, Stage { radius: 12, stride: 6 }];
@@ -98,16 +103,73 @@ impl Denoiser {
     /// [`DenoiseError`] if features and samples are of different sizes, or if the library is missing or fails.
     pub fn denoise(self, samples: impl Into<HalfFilms>, features: &Features) -> Result<Picture, DenoiseError> {
         let samples = &samples.into();
-        let rect = samples.rect();
-        if features.halves.iter().any(|half| half.len() != rect.pixels()) {
-            return Err(DenoiseError::SizeMismatch);
-        }
+        check_size(samples, features)?;
         let colours = match self {
-            Self::Regression => regression(samples, features),
+            Self::Regression => regression(samples, features, None).0,
             Self::Oidn => with_oidn(samples, features)?,
         };
-        Ok(Picture { width: rect.width, height: rect.height, pixels: colours.into_iter().map(Into::into).collect() })
+        Ok(picture(samples, colours))
     }
+}
+
+/// Denoises the frames of a sequence one after the other, each with the help of those before, so that the rest of the
+/// noise does not flicker.
+///
+/// The first frame is that of [`Denoiser::Regression`]. Later ones are averaged with the past along the motion of camera
+/// and objects, where it shows the same points in the same light.
+#[derive(Debug, Default)]
+pub struct SequenceDenoiser {
+    past: Option<PastFrame>,
+}
+
+impl SequenceDenoiser {
+    /// Denoiser of a sequence of which no frame is known.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// True if the next frame has one before it.
+    pub fn has_past(&self) -> bool {
+        self.past.is_some()
+    }
+
+    /// Forgets all frames: the next one starts anew.
+    pub fn forget(&mut self) {
+        self.past = None;
+    }
+
+    /// Denoised picture of the next frame, linear Rec. 709 radiance. A frame of another size than the last one starts anew.
+    ///
+    /// # Errors
+    /// [`DenoiseError::SizeMismatch`] if features and samples are of different sizes; the past is kept.
+    pub fn denoise(&mut self, samples: impl Into<HalfFilms>, features: &Features) -> Result<Picture, DenoiseError> {
+        let samples = &samples.into();
+        check_size(samples, features)?;
+        let (colours, past) = regression(samples, features, self.past.as_ref());
+        self.past = Some(past);
+        Ok(picture(samples, colours))
+    }
+}
+
+/// A frame as the next one reads it.
+#[derive(Debug)]
+struct PastFrame {
+    points: Past,
+    fronts: Fronts,
+}
+
+/// Fails if samples and features are not of one picture.
+fn check_size(samples: &HalfFilms, features: &Features) -> Result<(), DenoiseError> {
+    match features.halves.iter().all(|half| half.len() == samples.rect().pixels()) {
+        true => Ok(()),
+        false => Err(DenoiseError::SizeMismatch),
+    }
+}
+
+/// Picture of these colours, with the size of the samples.
+fn picture(samples: &HalfFilms, colours: Vec<Vec3>) -> Picture {
+    let rect = samples.rect();
+    Picture { width: rect.width, height: rect.height, pixels: colours.into_iter().map(Into::into).collect() }
 }
 
 /// Failure of denoising.
@@ -133,8 +195,8 @@ pub enum DenoiseError {
     Library(String),
 }
 
-/// Radiance denoised by regression.
-fn regression(samples: &HalfFilms, features: &Features) -> Vec<Vec3> {
+/// Radiance denoised by regression, joined with the frame before if there is one; and what the next frame needs of it.
+fn regression(samples: &HalfFilms, features: &Features, past: Option<&PastFrame>) -> (Vec<Vec3>, PastFrame) {
     let signal = Signal::new(samples, features);
     let limited = outliers::limited(&signal);
     // A single sample tells nothing of its noise, so that no pilot can guide a second stage.
@@ -144,11 +206,17 @@ fn regression(samples: &HalfFilms, features: &Features) -> Vec<Vec3> {
         let regression = Regression { signal: &signal, halves: &limited, pilot: pilot.as_ref(), stage };
         pilot = Some(Pilot::new(&signal, regression.filtered()));
     }
-    let irradiance = residual::restored(&signal, pilot.map_or(limited, Pilot::into_halves));
-    let mut colours = compose::composed(&signal, features, &irradiance);
+    let mut halves = pilot.map_or(limited, Pilot::into_halves);
+    let irradiance = residual::restored(&signal, &mut halves);
+    let filtered = Filtered { signal: &signal, features, halves: &halves, irradiance };
+    let joined = temporal::joined(filtered, past.map(|past| &past.points));
+    let mut colours = compose::composed(&signal, features, &joined.irradiance);
+    let composed = Composed { signal: &signal, features, halves: &halves, joined: &joined };
+    let fronts = front::joined(&composed, &mut colours, past.map(|past| (&past.points, &past.fronts)));
+    compose::keep_energy(&signal, &mut colours);
     let share = filtered_share(&samples.means());
     colours.par_iter_mut().zip(&signal.radiance).for_each(|(colour, sample)| *colour = sample.lerp(*colour, share));
-    colours
+    (colours, PastFrame { points: Past::new(signal, features, joined), fronts })
 }
 
 /// Share of the filtered picture in the result: 0 for a picture with so little noise that the filter may only harm it, 1

@@ -25,8 +25,8 @@ const GAIN_RADII: usize = 5;
 /// Least half side of that square, pixels.
 const MIN_GAIN_RADIUS: usize = 4;
 
-/// Irradiance of all samples, from that of the filtered halves and the residual.
-pub(super) fn restored(signal: &Signal, mut halves: [Vec<Vec3>; 2]) -> Vec<Vec3> {
+/// Irradiance of all samples from that of the filtered halves and the residual, which is added to the halves as well.
+pub(super) fn restored(signal: &Signal, halves: &mut [Vec<Vec3>; 2]) -> Vec<Vec3> {
     let weight = |(surface, weight): (&Surface, &f32)| weight * mean_channel(surface.albedo);
     let weights: Vec<f32> = signal.surfaces.par_iter().zip(&signal.weights).map(weight).collect();
     let both = halves[0].par_iter().zip(&halves[1]);

@@ -42,6 +42,10 @@ use glam::Vec3;
 use gpu::GpuReconstruction;
 pub use sequence::{Frame, Sequence};
 
+pub(crate) use antialiasing::catmull_rom;
+pub(crate) use motion::{EarlierPoint, EarlierPoints, Motion};
+pub(crate) use temporal::Projection;
+
 shared_constants! {
     /// Samples of a still film from which on its own noise decides its weight in each pixel.
     const SETTLING_SAMPLES: f32 = 32.0;

@@ -62,7 +62,7 @@ struct Moved {
 
 /// Motion since an earlier scene.
 #[derive(Default)]
-pub(super) struct Motion {
+pub(crate) struct Motion {
     /// Motion of each leaf; `None` for those that stand still.
     leaves: Vec<Option<Moved>>,
     /// Earlier field of the objects that deform, if there are any.
@@ -71,20 +71,20 @@ pub(super) struct Motion {
 
 /// Point in an earlier scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct EarlierPoint {
+pub(crate) struct EarlierPoint {
     /// Position in world space; far from everything if the point was on no surface.
-    pub(super) position: Vec3,
-    pub(super) normal: Vec3,
+    pub(crate) position: Vec3,
+    pub(crate) normal: Vec3,
 }
 
 /// Points of all pixels in an earlier scene; empty if nothing moves.
 #[derive(Default)]
-pub(super) struct EarlierPoints(Vec<EarlierPoint>);
+pub(crate) struct EarlierPoints(Vec<EarlierPoint>);
 
 impl EarlierPoints {
     /// Earlier point of the pixel of an index, which has this guide.
     #[inline]
-    pub(super) fn at(&self, index: usize, guide: &Guide) -> EarlierPoint {
+    pub(crate) fn at(&self, index: usize, guide: &Guide) -> EarlierPoint {
         let still = EarlierPoint { position: guide.position, normal: guide.normal };
         self.0.get(index).copied().unwrap_or(still)
     }
@@ -92,7 +92,7 @@ impl EarlierPoints {
 
 impl Motion {
     /// Motion between two scenes. Without the same number of leaves in both, nothing moves.
-    pub(super) fn new(earlier: &RenderScene, present: &RenderScene) -> Self {
+    pub(crate) fn new(earlier: &RenderScene, present: &RenderScene) -> Self {
         let (earlier, field) = (&earlier.field, &present.field);
         if earlier.leaves().len() != field.leaves().len() {
             return Self::default();
@@ -151,7 +151,7 @@ impl Motion {
     }
 
     /// Points of all guides in the earlier scene. `pixel` is the side of a pixel at distance one.
-    pub(super) fn earlier_points(&self, guides: &[Guide], pixel: f32) -> EarlierPoints {
+    pub(crate) fn earlier_points(&self, guides: &[Guide], pixel: f32) -> EarlierPoints {
         if self.leaves.iter().all(Option::is_none) {
             return EarlierPoints::default();
         }

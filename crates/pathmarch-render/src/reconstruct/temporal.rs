@@ -276,7 +276,7 @@ pub(super) fn camera_moves(before: &FrameUniforms, after: &FrameUniforms) -> boo
 
 /// Projection of points into a picture.
 #[derive(Clone, Copy)]
-pub(super) struct Projection {
+pub(crate) struct Projection {
     position: Vec3,
     forward: Vec3,
     /// Vectors whose dot products with a vector, divided by its depth, are pixels from the middle of the picture.
@@ -286,7 +286,7 @@ pub(super) struct Projection {
 }
 
 impl Projection {
-    pub(super) fn new(frame: &FrameUniforms) -> Self {
+    pub(crate) fn new(frame: &FrameUniforms) -> Self {
         let [position, right, up, forward] = [frame.position, frame.right, frame.up, frame.forward].map(Vec3::from);
         let middle = [0.5 * frame.width as f32, 0.5 * frame.height as f32];
         let (right, down) = (right * middle[0] / right.length_squared(), up * -middle[1] / up.length_squared());
@@ -295,7 +295,7 @@ impl Projection {
 
     /// Position of a point, in pixels from the top left corner; `None` behind the camera.
     #[inline]
-    pub(super) fn project(&self, point: Vec3) -> Option<[f32; 2]> {
+    pub(crate) fn project(&self, point: Vec3) -> Option<[f32; 2]> {
         let v = point - self.position;
         let depth = v.dot(self.forward);
         if depth <= 1e-6 * v.abs().max_element() {

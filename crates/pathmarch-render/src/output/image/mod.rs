@@ -129,7 +129,8 @@ pub struct Provenance {
     pub backend: String,
     /// Version of the program that rendered the picture.
     pub version: String,
-    /// Name of the [`Denoiser`](crate::denoise::Denoiser); `None` for pictures that are the mean of their samples.
+    /// Name of the [`Denoiser`](crate::denoise::Denoiser), followed by ", temporal" if the picture is averaged with the frame
+    /// before; `None` for pictures that are the mean of their samples.
     pub denoiser: Option<String>,
 }
 

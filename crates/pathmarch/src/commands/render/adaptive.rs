@@ -3,9 +3,7 @@
 use super::checkpoint::{self, Checkpoint};
 use super::still::{Outcome, Reached, Task, check_memory};
 use super::{print_settings, render_failure};
-use crate::picture::Denoised;
 use pathmarch_cli::{Failure, note};
-use pathmarch_render::denoise::{Features, HalfFilms};
 use pathmarch_render::film::Film;
 use pathmarch_render::parts::{FilmHeader, FilmPart};
 use pathmarch_render::{AdaptiveJob, AdaptiveTile};
@@ -49,7 +47,10 @@ impl Task<'_> {
         let mut denoising = None;
         if written {
             let started = Instant::now();
-            let denoised = self.denoised(halves)?;
+            let counts = film.sample_counts();
+            let mean = counts.iter().map(|count| u64::from(*count)).sum::<u64>() / counts.len().max(1) as u64;
+            let denoised = arguments.denoise.map(|denoiser| self.denoised(halves, denoiser, mean.max(1) as u32));
+            let denoised = denoised.transpose()?;
             denoising = denoised.as_ref().map(|_| started.elapsed().as_secs_f64());
             super::write(arguments, job.backend(), self.scene, settings, &film, denoised, self.output)?;
         }
@@ -92,17 +93,6 @@ impl Task<'_> {
         let parts = checkpoint::parts(film, &header.identity, &header.engines[0], self.settings.rect(), samples)?;
         let parts: [FilmPart; 3] = parts.try_into().map_err(|_| checkpoint::wrong_regions(&path))?;
         Ok((start(Some(parts))?, header, checkpoint))
-    }
-
-    /// Denoised picture; `None` without `--denoise`.
-    fn denoised(&self, halves: HalfFilms) -> Result<Option<Denoised>, Failure> {
-        let Some(denoiser) = self.arguments.denoise else { return Ok(None) };
-        let counts = halves.film().sample_counts();
-        let mean = counts.iter().map(|count| u64::from(*count)).sum::<u64>() / counts.len().max(1) as u64;
-        let (animation, scene, settings) = (self.animation, self.scene, &self.settings);
-        let features = Features::trace_motion_blur(animation, scene, settings, self.shutter, mean.max(1) as u32);
-        let picture = denoiser.denoise(halves, &features.map_err(render_failure)?).map_err(Failure::other)?;
-        Ok(Some(Denoised { denoiser, picture }))
     }
 }
 

@@ -93,6 +93,12 @@ pub struct Arguments {
     /// Filter the noise out of the picture [default method: regression; or oidn]
     #[arg(long, value_name = "METHOD", num_args = 0..=1, default_missing_value = Denoiser::default().name(), value_parser = parse_denoiser, long_help = denoiser_help())]
     pub(super) denoise: Option<Denoiser>,
+    /// Average each denoised frame with the one before, along the motion: on or off [default: on, with regression]
+    ///
+    /// So the rest of the noise does not flicker. The first frame of a run has none before it, nor has one after frames that
+    /// --skip-existing skips: a sequence in parts changes a little where a part starts. Only for --denoise regression.
+    #[arg(long, value_name = "on|off", requires = "denoise", requires = "frames", value_parser = parse_switch, verbatim_doc_comment)]
+    pub(super) denoise_temporal: Option<bool>,
     /// Frames of an animation: one (7), a range (1-120), or every second frame (1-120x2)
     ///
     /// Formulas of the scene read the frame number as frame, and frame/fps as t. In the file name, # stands for the
@@ -296,7 +302,19 @@ impl Arguments {
                 mode.name()
             )));
         }
+        if denoiser != Denoiser::Regression && self.denoise_temporal == Some(true) {
+            return Err(Failure::Usage(format!(
+                "--denoise-temporal: only frames of --denoise {} can be averaged, not those of {}",
+                Denoiser::Regression.name(),
+                denoiser.name()
+            )));
+        }
         denoiser.check().map_err(Failure::other)
+    }
+
+    /// True if denoised frames are averaged with those before.
+    pub(super) fn joins_frames(&self) -> bool {
+        self.denoise == Some(Denoiser::Regression) && self.frames.is_some() && self.denoise_temporal != Some(false)
     }
 
     pub(super) fn shutter(&self, scene: &Scene, fps: f32) -> Shutter {

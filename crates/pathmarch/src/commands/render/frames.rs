@@ -3,6 +3,7 @@
 //! Memory does not grow with the number of frames: it is that of the frames that are rendered at a time.
 
 use super::arguments::Arguments;
+use super::frame_denoiser::{FrameDenoiser, Turn};
 use super::output::Output;
 use super::progress::Progress;
 use super::still::Task;
@@ -35,6 +36,8 @@ struct Queue {
     /// True if no further frame is to be started.
     stop: AtomicBool,
     done: Mutex<Done>,
+    /// Denoiser that joins the frames, if they are to be joined.
+    denoiser: Option<FrameDenoiser>,
 }
 
 /// What became of the frames.
@@ -74,7 +77,12 @@ impl Frames<'_> {
             return Ok(DONE);
         }
         let began = Instant::now();
-        let queue = Queue { next: AtomicUsize::new(0), stop: AtomicBool::new(false), done: Mutex::default() };
+        let queue = Queue {
+            next: AtomicUsize::new(0),
+            stop: AtomicBool::new(false),
+            done: Mutex::default(),
+            denoiser: self.arguments.joins_frames().then(|| FrameDenoiser::new(self.frames.step())),
+        };
         let threads = self.arguments.parallel.min(left.len());
         std::thread::scope(|scope| {
             for _ in 1..threads {
@@ -107,7 +115,8 @@ impl Frames<'_> {
         while !queue.stop.load(Ordering::SeqCst) {
             let index = queue.next.fetch_add(1, Ordering::SeqCst);
             let Some(&frame) = left.get(index) else { break };
-            match self.frame((index, left.len()), frame, &done) {
+            let turn = queue.denoiser.as_ref().map(|denoiser| denoiser.turn(index, frame));
+            match self.frame((index, left.len()), frame, turn.as_ref(), &done) {
                 Ok(Some(rejected)) => {
                     let mut done = done();
                     (done.wrote, done.non_finite) = (done.wrote + 1, done.non_finite + rejected);
@@ -130,6 +139,7 @@ impl Frames<'_> {
         &self,
         (index, count): (usize, usize),
         frame: u32,
+        turn: Option<&Turn>,
         done: &impl Fn() -> MutexGuard<'d, Done>,
     ) -> Result<Option<u64>, Failure> {
         let moment = Moment::of_frame(frame, self.fps);
@@ -153,6 +163,7 @@ impl Frames<'_> {
             interrupted: self.interrupted,
             progress: self.progress,
             place: (index, count, Some(frame)),
+            turn,
             says_settings: index == 0,
         };
         let outcome = task.run()?;

@@ -3,6 +3,7 @@
 mod adaptive;
 mod arguments;
 mod checkpoint;
+mod frame_denoiser;
 mod frame_directory;
 mod frames;
 mod output;
@@ -124,6 +125,7 @@ fn still(
         interrupted,
         progress,
         place: (0, 1, None),
+        turn: None,
         says_settings: true,
     };
     let outcome = task.run()?;

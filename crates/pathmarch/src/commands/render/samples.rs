@@ -1,14 +1,9 @@
 //! Samples of a picture: a part of a film, or two halves for `--denoise`.
 
-use super::render_failure;
-use crate::picture::Denoised;
-use pathmarch_cli::Failure;
-use pathmarch_render::denoise::{Denoiser, Features, HalfBuffers};
+use pathmarch_render::denoise::{Denoiser, HalfBuffers};
 use pathmarch_render::film::Film;
 use pathmarch_render::parts::FilmPart;
-use pathmarch_render::pathmarch_scene::{Animation, Scene};
-use pathmarch_render::{Job, RenderError, Settings, Shutter};
-use std::sync::Mutex;
+use pathmarch_render::{Job, RenderError, Settings};
 
 /// Samples of a picture.
 pub(super) enum Samples {
@@ -67,19 +62,5 @@ impl Samples {
             Self::Part(part) => part.film(),
             Self::Halves(halves, _) => halves.film(),
         }
-    }
-
-    /// Denoised picture; `None` without a denoiser.
-    pub(super) fn denoised(
-        &self,
-        animation: &Mutex<Animation>,
-        scene: &Scene,
-        settings: &Settings,
-        shutter: Shutter,
-    ) -> Result<Option<Denoised>, Failure> {
-        let Self::Halves(halves, denoiser) = self else { return Ok(None) };
-        let features = Features::trace_motion_blur(animation, scene, settings, shutter, halves.samples());
-        let picture = denoiser.denoise(halves, &features.map_err(render_failure)?).map_err(Failure::other)?;
-        Ok(Some(Denoised { denoiser: *denoiser, picture }))
     }
 }

@@ -2,12 +2,15 @@
 
 use super::arguments::Arguments;
 use super::checkpoint::{self, Checkpoint};
+use super::frame_denoiser::Turn;
 use super::output::Output;
 use super::progress::{Picture, Progress};
 use super::samples::Samples;
 use super::{print_settings, render_failure};
 use crate::film_notes;
+use crate::picture::Denoised;
 use pathmarch_cli::{Failure, note};
+use pathmarch_render::denoise::{Denoiser, Features, HalfFilms};
 use pathmarch_render::film::Film;
 use pathmarch_render::parts::{self, FilmFile, FilmHeader, Identity};
 use pathmarch_render::pathmarch_scene::{Animation, Scene};
@@ -30,6 +33,8 @@ pub(super) struct Task<'a> {
     pub(super) progress: &'a Progress,
     /// Its number among the frames, their number, and its frame.
     pub(super) place: (usize, usize, Option<u32>),
+    /// Its turn among the frames that are joined by the denoiser.
+    pub(super) turn: Option<&'a Turn<'a>>,
     /// True if the settings are printed.
     pub(super) says_settings: bool,
 }
@@ -221,10 +226,24 @@ impl Task<'_> {
             return parts::save(file, header, samples.parts()).map(|()| None).map_err(Failure::other);
         }
         let started = Instant::now();
-        let denoised = samples.denoised(self.animation, self.scene, settings, self.shutter)?;
+        let denoised = match samples {
+            Samples::Part(_) => None,
+            Samples::Halves(halves, denoiser) => Some(self.denoised(halves.into(), *denoiser, halves.samples())?),
+        };
         let denoising = denoised.as_ref().map(|_| started.elapsed().as_secs_f64());
         super::write(arguments, job.backend(), self.scene, settings, film, denoised, self.output)?;
         Ok(denoising)
+    }
+
+    /// Denoised picture of films with so many samples of a pixel.
+    pub(super) fn denoised(&self, films: HalfFilms, denoiser: Denoiser, samples: u32) -> Result<Denoised, Failure> {
+        let features = Features::trace_motion_blur(self.animation, self.scene, &self.settings, self.shutter, samples);
+        let features = features.map_err(render_failure)?;
+        let (picture, is_joined) = match self.turn {
+            Some(turn) => turn.denoise(films, &features)?,
+            None => (denoiser.denoise(films, &features).map_err(Failure::other)?, false),
+        };
+        Ok(Denoised { denoiser, is_joined, picture })
     }
 
     /// Keeps the samples of a picture that cannot be written, beside it or among temporary files, and adds where to the failure.
