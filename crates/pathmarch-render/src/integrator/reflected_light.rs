@@ -40,9 +40,8 @@ impl ReflectedLight {
         let before = luminance(self.radiance.into()) * (1.0 - share);
         self.radiance = self.radiance.lerp(sample.radiance, share);
         self.square += (sample.square - self.square) * share;
-        let weight = (luminance(sample.radiance.into()) * share + 1e-9)
-            / (before + luminance(sample.radiance.into()) * share + 1e-9);
-        self.depth += (sample.depth - self.depth) * weight;
+        let new = luminance(sample.radiance.into()) * share + 1e-9;
+        self.depth += (sample.depth - self.depth) * (new / (before + new));
     }
 }
 
@@ -59,7 +58,7 @@ pub(super) struct ReflectionRecorder {
 struct Reflection {
     /// True if the surface waits for its samples.
     waits: bool,
-    surface: Option<FacetedSurface>,
+    surface: FacetedSurface,
     alpha: f32,
     is_coloured: bool,
     /// Length of the path at the surface, metres.
@@ -75,7 +74,7 @@ struct Reflection {
     distance: f32,
 }
 
-/// Surface whose base scatters light, too.
+/// Surface with facets.
 struct FacetedSurface {
     facets: &'static Facets,
     parameters: BsdfParameters,
@@ -85,10 +84,9 @@ struct FacetedSurface {
 }
 
 impl Reflection {
+    /// Share of the facets in light from a direction in world space.
     fn share(&self, direction: Vec3) -> Vec3 {
-        let Some(FacetedSurface { facets, parameters, local_from_world, wo, inside }) = &self.surface else {
-            return Vec3::ONE;
-        };
+        let FacetedSurface { facets, parameters, local_from_world, wo, inside } = &self.surface;
         (facets.share)(parameters, *wo, (*local_from_world * direction).normalize(), *inside)
     }
 }
@@ -114,7 +112,7 @@ impl ReflectionRecorder {
             waits: true,
             alpha: (facets.alpha)(&parameters),
             is_coloured: (facets.are_coloured)(&parameters),
-            surface: Some(FacetedSurface { facets, parameters, local_from_world, wo, inside: interaction.inside }),
+            surface: FacetedSurface { facets, parameters, local_from_world, wo, inside: interaction.inside },
             length: path.length,
             sampled_share: Vec3::ZERO,
             sampled_distance: 0.0,
