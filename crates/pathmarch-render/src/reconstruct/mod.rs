@@ -2,10 +2,10 @@
 //!
 //! **Idea.** Radiance is divided by the albedo of the guide, so that textures are not blurred; the result is called
 //! irradiance here. (1) `temporal`: every pixel finds its point in the last picture and continues the mean of the pixels
-//! there, if they show the same point. (2) `spatial`: neighbours on the same surface are averaged over a footprint that
-//! shrinks as the mean gets surer. (3) `antialiasing`: the picture is averaged with the last one, at up to twice the
-//! resolution of the samples. (4) Once nothing moves, the plain mean of a film that was started there takes over, and the
-//! picture is then the one that a still render gives.
+//! there, if they show the same point; `reflections` does so with the images in glossy surfaces. (2) `spatial`: neighbours
+//! on the same surface are averaged over a footprint that shrinks as the mean gets surer. (3) `antialiasing`: the picture
+//! is averaged with the last one, at up to twice the resolution of the samples. (4) Once nothing moves, the plain mean of
+//! a film that was started there takes over, and the picture is then the one that a still render gives.
 //!
 //! Each step is written twice, for the CPU and in WGSL, and tests compare them: `cpu` and `gpu` run the steps.
 //!
@@ -15,7 +15,7 @@
 //! moves no energy out of highlights; the point in the last picture is validated by its position in space instead of a
 //! depth, and pictures of different sizes share their history.
 //!
-//! **Limits.** Reflections on rough surfaces and what is seen through glass move with the surface.
+//! **Limits.** What is seen through glass moves with its surface.
 
 mod antialiasing;
 mod cpu;
