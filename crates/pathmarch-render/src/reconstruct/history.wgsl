@@ -75,3 +75,25 @@ fn mean_at(place: vec2f, sought: Guide, side: f32, is_image: bool) -> History {
     found.length /= total;
     return found;
 }
+
+/// Mean curvature of a surface at a pixel, per metre, above 0 if it is convex; and the number of pixels beside it on the same
+/// smooth surface.
+fn curvature(position: vec2i, guide: Guide) -> vec2f {
+    var sum = 0.0;
+    var count = 0.0;
+    for (var k = 0; k < 4; k++) {
+        let step = select(-1, 1, k < 2);
+        let place = position + select(vec2i(0, step), vec2i(step, 0), (k & 1) == 0);
+        if !is_inside(place) {
+            continue;
+        }
+        let there = guide_at(pixel_index(place));
+        let apart = there.position - guide.position;
+        let is_same = there.object == guide.object && there.guide_class == guide.guide_class;
+        if is_same && dot(there.normal, guide.normal) >= MIN_SMOOTH_COSINE {
+            sum += dot(there.normal - guide.normal, apart) / max(dot(apart, apart), 1.1754944e-38);
+            count += 1.0;
+        }
+    }
+    return vec2f(sum / max(count, 1.0), count);
+}

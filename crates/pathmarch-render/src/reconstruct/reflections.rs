@@ -16,7 +16,7 @@
 
 use super::motion::EarlierPoints;
 use super::planes::{BoxMeans, box_means};
-use super::temporal::{Clamp, History, PixelMean, Samples, camera_moves, joined};
+use super::temporal::{Clamp, History, PixelMean, SMOOTH_NEIGHBOURS, Samples, camera_moves, joined, smooth_neighbours};
 use super::{Changes, luminance};
 use crate::integrator::guides::Guide;
 use crate::scene::FrameUniforms;
@@ -35,8 +35,10 @@ shared_constants! {
     const MIN_MAGNIFICATION: f32 = 0.2;
     /// Largest share of the depth of an image in its distance from the camera.
     const MAX_IMAGE_DEPTH: f32 = 0.9999;
-    /// Least cosine between normals that show one curvature.
-    const MIN_CURVED_COSINE: f32 = 0.5;
+    /// Largest alpha of facets with images.
+    const MAX_IMAGE_ALPHA: f32 = 0.15;
+    /// Depth of images in surfaces that have none.
+    const NO_IMAGE: f32 = -1.0;
     /// Weight of pixels without light of facets, W/(m² sr).
     const DARK_WEIGHT: f32 = 1e-6;
     /// Longest history of light of facets whose image the last picture does not show, while the camera moves, samples.
@@ -51,7 +53,8 @@ pub(super) fn exist(guides: &[Guide]) -> bool {
 /// Image of what the facets of a pixel mirror.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Image {
-    /// Distance of the image behind the surface, metres.
+    /// Distance of the image behind the surface, metres; [`NO_IMAGE`] if the surface is not smooth, or its
+    /// facets are turned to all sides.
     depth: f32,
     /// Largest distance of points of the surface that share their light, metres.
     pub(super) reach: f32,
@@ -75,37 +78,32 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
         }
         let depth = (weighted_depth / weight).min(MAX_IMAGE_DEPTH);
         let distance = guide.length * depth / (1.0 - depth);
-        let bent = 1.0 + 2.0 * curvature(guides, size, index) * distance;
+        let lobe_reach = LOBE_REACH * guide.reflected.alpha * distance;
+        let has_image = guide.reflected.alpha <= MAX_IMAGE_ALPHA;
+        let Some(curvature) = curvature(guides, size, index).filter(|_| has_image) else {
+            return Image { depth: NO_IMAGE, reach: lobe_reach, limits: [0.0, f32::MAX] };
+        };
+        let bent = 1.0 + 2.0 * curvature * distance;
         let reach = (square - mean * mean).max(0.0).sqrt() * IMAGE_REACH;
         Image {
             depth: distance / bent.max(MIN_MAGNIFICATION),
-            reach: LOBE_REACH * guide.reflected.alpha * distance,
+            reach: lobe_reach,
             limits: [(mean - reach).max(0.0), mean + reach],
         }
     };
     around.par_iter().enumerate().with_min_len(1024).map(image).collect()
 }
 
-/// Mean curvature of a surface at a pixel, per metre; above 0 if it is convex.
-fn curvature(guides: &[Guide], size: [u32; 2], index: usize) -> f32 {
-    let [width, height] = size.map(|side| side as i32);
-    let (x, y, guide) = (index as i32 % width, index as i32 / width, &guides[index]);
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
-        let (column, row) = (x + dx, y + dy);
-        if !(0..width).contains(&column) || !(0..height).contains(&row) {
-            continue;
-        }
-        let there = &guides[(row * width + column) as usize];
+/// Mean curvature of a surface at a pixel, per metre; above 0 if it is convex. `None` if the surface is not smooth.
+fn curvature(guides: &[Guide], size: [u32; 2], index: usize) -> Option<f32> {
+    let guide = &guides[index];
+    let (mut sum, mut count) = (0.0, 0);
+    for there in smooth_neighbours(guides, size, index) {
         let apart = there.position - guide.position;
-        let square = apart.length_squared();
-        let is_same = there.object == guide.object && there.class == guide.class;
-        if is_same && square > 0.0 && there.normal.dot(guide.normal) >= MIN_CURVED_COSINE {
-            sum += (there.normal - guide.normal).dot(apart) / square;
-            count += 1.0;
-        }
+        sum += (there.normal - guide.normal).dot(apart) / apart.length_squared().max(f32::MIN_POSITIVE);
+        count += 1;
     }
-    sum / f32::max(count, 1.0)
+    (count >= SMOOTH_NEIGHBOURS).then(|| sum / count as f32)
 }
 
 /// Joins new samples of the light of facets with the past, if the last picture showed any.
@@ -129,7 +127,7 @@ pub(super) fn accumulated(
         let mirrored = guide.position + (guide.position - eye).normalize() * image.depth;
         // In a surface that moves, the image moves as well.
         let stands_still = earlier.position == guide.position;
-        let place = past.projection.project(mirrored).filter(|_| stands_still && moves);
+        let place = past.projection.project(mirrored).filter(|_| stands_still && moves && image.depth >= 0.0);
         let of_image = place.and_then(|place| past.mean_at(place, means, |index| past.shows_reflector(index, &sought)));
         let found = of_image.or_else(|| {
             let mut mean = past.find(&sought, means)?;

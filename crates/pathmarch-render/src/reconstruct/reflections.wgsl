@@ -32,28 +32,6 @@ fn add_up_rows(@builtin(global_invocation_id) id: vec3u) {
     images[pixel_index(position)] = sum;
 }
 
-/// Mean curvature of a surface at a pixel, per metre; above 0 if it is convex.
-fn curvature(position: vec2i, guide: Guide) -> f32 {
-    var sum = 0.0;
-    var count = 0.0;
-    for (var k = 0; k < 4; k++) {
-        let step = select(-1, 1, k < 2);
-        let place = position + select(vec2i(0, step), vec2i(step, 0), (k & 1) == 0);
-        if !is_inside(place) {
-            continue;
-        }
-        let there = guide_at(pixel_index(place));
-        let apart = there.position - guide.position;
-        let square = dot(apart, apart);
-        let is_same = there.object == guide.object && there.guide_class == guide.guide_class;
-        if is_same && square > 0.0 && dot(there.normal, guide.normal) >= MIN_CURVED_COSINE {
-            sum += dot(there.normal - guide.normal, apart) / square;
-            count += 1.0;
-        }
-    }
-    return sum / max(count, 1.0);
-}
-
 /// Finds the image of what the facets of each pixel mirror, from the sums along rows.
 @compute @workgroup_size(8, 8)
 fn find_images(@builtin(global_invocation_id) id: vec3u) {
@@ -76,11 +54,16 @@ fn find_images(@builtin(global_invocation_id) id: vec3u) {
     }
     let depth = min(sum.w / sum.z, MAX_IMAGE_DEPTH);
     let distance = path_length(guide) * depth / (1.0 - depth);
-    let bent = 1.0 + 2.0 * curvature(position, guide) * distance;
+    let lobe_reach = LOBE_REACH * guide.alpha * distance;
+    let curved = curvature(position, guide);
+    if curved.y < f32(SMOOTH_NEIGHBOURS) || guide.alpha > MAX_IMAGE_ALPHA {
+        next_estimates[pixel] = vec4f(NO_IMAGE, lobe_reach, 0.0, 3e38);
+        return;
+    }
+    let bent = 1.0 + 2.0 * curved.x * distance;
     let mean = sum.x / count;
     let reach = sqrt(max(sum.y / count - mean * mean, 0.0)) * IMAGE_REACH;
-    next_estimates[pixel] =
-        vec4f(distance / max(bent, MIN_MAGNIFICATION), LOBE_REACH * guide.alpha * distance, max(mean - reach, 0.0), mean + reach);
+    next_estimates[pixel] = vec4f(distance / max(bent, MIN_MAGNIFICATION), lobe_reach, max(mean - reach, 0.0), mean + reach);
 }
 
 /// Continues the means of the last picture.
@@ -103,7 +86,7 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
     let moves = uniforms.camera_moves != 0u;
     var found: History;
     // In a surface that moves, the image moves as well.
-    if moves && all(moved.position == guide.position) {
+    if moves && image.x >= 0.0 && all(moved.position == guide.position) {
         let mirrored = guide.position + normalize(guide.position - uniforms.position) * image.x;
         found = mean_at(project_before(mirrored), moved, side, true);
     }

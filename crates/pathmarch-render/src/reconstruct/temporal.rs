@@ -100,6 +100,12 @@ shared_constants! {
     const CURVED_TOLERANCE: f32 = 0.2;
     /// Least cosine between the normal and the ray by which the tolerance within the plane is divided.
     const MIN_GRAZING_COSINE: f32 = 0.05;
+    /// The same of surfaces that are not smooth, as those of fractals: the past, interpolated again and again, would blur them.
+    const MAX_ROUGH_HISTORY: f32 = 3.0;
+    /// Least cosine between the normals of pixels beside each other on a smooth surface.
+    const MIN_SMOOTH_COSINE: f32 = 0.9;
+    /// Least number of such pixels, of four.
+    pub(super) const SMOOTH_NEIGHBOURS: u32 = 2;
     /// Longest history of glass while the camera moves, samples.
     const MAX_GLASS_HISTORY: f32 = 3.0;
     /// Half the side of the square that decides which luminance is plausible, pixels.
@@ -149,6 +155,23 @@ pub(super) fn joined(past: PixelMean, new: PixelMean, clamp: Clamp) -> PixelMean
     PixelMean { irradiance: old.lerp(new.irradiance, share), length: new.length + length, moments, before }
 }
 
+/// Pixels beside a pixel that are parts of one smooth surface.
+pub(super) fn smooth_neighbours(guides: &[Guide], size: [u32; 2], index: usize) -> impl Iterator<Item = &Guide> {
+    let [width, height] = size.map(|side| side as i32);
+    let (x, y, guide) = (index as i32 % width, index as i32 / width, &guides[index]);
+    let beside = [(x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)].into_iter();
+    let inside = beside.filter(move |(x, y)| (0..width).contains(x) && (0..height).contains(y));
+    inside.map(move |(x, y)| &guides[(y * width + x) as usize]).filter(move |there| {
+        let is_same = there.object == guide.object && there.class == guide.class;
+        is_same && there.normal.dot(guide.normal) >= MIN_SMOOTH_COSINE
+    })
+}
+
+/// True if a pixel shows a surface that is smooth from pixel to pixel.
+fn is_smooth(guides: &[Guide], size: [u32; 2], index: usize) -> bool {
+    smooth_neighbours(guides, size, index).count() >= SMOOTH_NEIGHBOURS as usize
+}
+
 /// Least and largest luminance that the mean of each pixel may have, judged from the samples around it.
 pub(super) fn plausible_luminances(size: [u32; 2], irradiance: &[Vec3]) -> Vec<[f32; 2]> {
     let means = box_means(size, PLAUSIBLE_RADIUS, |index| {
@@ -181,8 +204,12 @@ impl History {
             let found = past.and_then(|(past, earlier)| {
                 past.find(&past.sought(guide, earlier.at(index, guide), frame), &past.means)
             });
-            let is_short = moves && guide.class == GuideClass::Glass;
-            let max_length = if is_short { max_length.min(MAX_GLASS_HISTORY) } else { max_length };
+            let max_length = match () {
+                () if !moves => max_length,
+                () if guide.class == GuideClass::Glass => max_length.min(MAX_GLASS_HISTORY),
+                () if !is_smooth(guides, frame.size(), index) => max_length.min(MAX_ROUGH_HISTORY),
+                () => max_length,
+            };
             let clamp = Clamp { limits: limits.map(|limits| limits[index]), max_length };
             found.map_or(alone, |found| joined(found, alone, clamp))
         };

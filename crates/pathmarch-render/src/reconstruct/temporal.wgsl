@@ -54,8 +54,14 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     if uniforms.scene_changed != 0u {
         limits = plausible_luminance(position);
     }
-    let is_limited = uniforms.camera_moves != 0u && guide.guide_class == GUIDE_GLASS;
-    let max_length = select(uniforms.max_history, min(uniforms.max_history, MAX_GLASS_HISTORY), is_limited);
+    var max_length = uniforms.max_history;
+    if uniforms.camera_moves != 0u {
+        if guide.guide_class == GUIDE_GLASS {
+            max_length = min(max_length, MAX_GLASS_HISTORY);
+        } else if curvature(position, guide).y < f32(SMOOTH_NEIGHBOURS) {
+            max_length = min(max_length, MAX_ROUGH_HISTORY);
+        }
+    }
     history[pixel] = joined(found, alone, limits, max_length);
 }
 
