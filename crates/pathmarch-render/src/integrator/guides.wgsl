@@ -92,7 +92,7 @@ fn record_guide(
     if guide.guide_class == GUIDE_SURFACE && guide.is_glossy {
         let m = leaves[interaction.leaf].material;
         let facets = bsdf_facets(materials[m].kind, m);
-        guide.alpha = facets.x;
+        guide.alpha = select(0.0, facets.x, facets.x <= MAX_FACET_ALPHA);
         guide.has_coloured_facets = facets.y > 0.0;
         begin_facets(length);
     }

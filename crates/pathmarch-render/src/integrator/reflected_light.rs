@@ -11,8 +11,14 @@ use crate::scene::TraceContext;
 use crate::scene::light::luminance;
 use crate::shading::surface_interaction::SurfaceInteraction;
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
+use crate::wgsl::shared_constants;
 use glam::{Mat3, Vec3};
 use pathmarch_scene::materials::{BsdfParameters, Facets};
+
+shared_constants! {
+    /// Largest alpha of facets whose light is recorded: others, turned to all sides, show no images.
+    const MAX_FACET_ALPHA: f32 = 0.15;
+}
 
 /// Light of the facets of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,12 +111,16 @@ impl ReflectionRecorder {
         let textured = TexturedPoint::new(ctx, interaction, path.length);
         let parameters =
             textured.as_ref().map_or(material.parameters, |textured| textured.parameters(&material.parameters));
+        let alpha = (facets.alpha)(&parameters);
+        if alpha > MAX_FACET_ALPHA {
+            return;
+        }
         let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
         let local_from_world = basis(ns).transpose();
         let wo = local_viewer(local_from_world, -path.ray.direction);
         self.slots[path.slot] = Some(Reflection {
             waits: true,
-            alpha: (facets.alpha)(&parameters),
+            alpha,
             is_coloured: (facets.are_coloured)(&parameters),
             surface: FacetedSurface { facets, parameters, local_from_world, wo, inside: interaction.inside },
             length: path.length,

@@ -35,8 +35,6 @@ shared_constants! {
     const MIN_MAGNIFICATION: f32 = 0.2;
     /// Largest share of the depth of an image in its distance from the camera.
     const MAX_IMAGE_DEPTH: f32 = 0.9999;
-    /// Largest alpha of facets with images.
-    const MAX_IMAGE_ALPHA: f32 = 0.15;
     /// Depth of images in surfaces that have none.
     const NO_IMAGE: f32 = -1.0;
     /// Weight of pixels without light of facets, W/(m² sr).
@@ -53,8 +51,7 @@ pub(super) fn exist(guides: &[Guide]) -> bool {
 /// Image of what the facets of a pixel mirror.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Image {
-    /// Distance of the image behind the surface, metres; [`NO_IMAGE`] if the surface is not smooth, or its
-    /// facets are turned to all sides.
+    /// Distance of the image behind the surface, metres; [`NO_IMAGE`] if the surface is not smooth.
     depth: f32,
     /// Largest distance of points of the surface that share their light, metres.
     pub(super) reach: f32,
@@ -79,8 +76,7 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
         let depth = (weighted_depth / weight).min(MAX_IMAGE_DEPTH);
         let distance = guide.length * depth / (1.0 - depth);
         let lobe_reach = LOBE_REACH * guide.reflected.alpha * distance;
-        let has_image = guide.reflected.alpha <= MAX_IMAGE_ALPHA;
-        let Some(curvature) = curvature(guides, size, index).filter(|_| has_image) else {
+        let Some(curvature) = curvature(guides, size, index) else {
             return Image { depth: NO_IMAGE, reach: lobe_reach, limits: [0.0, f32::MAX] };
         };
         let bent = 1.0 + 2.0 * curvature * distance;

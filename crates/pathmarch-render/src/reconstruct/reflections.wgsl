@@ -56,7 +56,7 @@ fn find_images(@builtin(global_invocation_id) id: vec3u) {
     let distance = path_length(guide) * depth / (1.0 - depth);
     let lobe_reach = LOBE_REACH * guide.alpha * distance;
     let curved = curvature(position, guide);
-    if curved.y < f32(SMOOTH_NEIGHBOURS) || guide.alpha > MAX_IMAGE_ALPHA {
+    if curved.y < f32(SMOOTH_NEIGHBOURS) {
         next_estimates[pixel] = vec4f(NO_IMAGE, lobe_reach, 0.0, 3e38);
         return;
     }

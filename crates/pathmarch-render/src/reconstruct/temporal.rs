@@ -106,8 +106,8 @@ shared_constants! {
     const MIN_SMOOTH_COSINE: f32 = 0.9;
     /// Least number of such pixels, of four.
     pub(super) const SMOOTH_NEIGHBOURS: u32 = 2;
-    /// Longest history of glass while the camera moves, samples.
-    const MAX_GLASS_HISTORY: f32 = 3.0;
+    /// Longest history of glass, and of glossy surfaces whose facets are not filtered apart, while the camera moves, samples.
+    const MAX_GLOSSY_HISTORY: f32 = 3.0;
     /// Half the side of the square that decides which luminance is plausible, pixels.
     const PLAUSIBLE_RADIUS: i32 = 2;
     /// Standard deviations of single samples by which a mean may differ from that of the square: three standard errors.
@@ -206,7 +206,7 @@ impl History {
             });
             let max_length = match () {
                 () if !moves => max_length,
-                () if guide.class == GuideClass::Glass => max_length.min(MAX_GLASS_HISTORY),
+                () if guide.is_glossy && !guide.has_facets() => max_length.min(MAX_GLOSSY_HISTORY),
                 () if !is_smooth(guides, frame.size(), index) => max_length.min(MAX_ROUGH_HISTORY),
                 () => max_length,
             };

@@ -56,8 +56,8 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     }
     var max_length = uniforms.max_history;
     if uniforms.camera_moves != 0u {
-        if guide.guide_class == GUIDE_GLASS {
-            max_length = min(max_length, MAX_GLASS_HISTORY);
+        if guide.is_glossy && guide.alpha == 0.0 {
+            max_length = min(max_length, MAX_GLOSSY_HISTORY);
         } else if curvature(position, guide).y < f32(SMOOTH_NEIGHBOURS) {
             max_length = min(max_length, MAX_ROUGH_HISTORY);
         }

@@ -8,7 +8,8 @@ use super::encode;
 use super::loop_limit::SuspendedPath;
 use super::slice::Slice;
 use crate::integrator::{
-    guides, light_sampling, media_segment, medium, participating_media, path_reuse, path_state, shadow, splitting,
+    guides, light_sampling, media_segment, medium, participating_media, path_reuse, path_state, reflected_light,
+    shadow, splitting,
 };
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
@@ -92,7 +93,7 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/penumbra",
     "integrator/photons" shares photon_map::shared_wgsl,
     "integrator/radiance",
-    "integrator/reflected_light",
+    "integrator/reflected_light" shares reflected_light::shared_wgsl,
     "integrator/shadow" shares shadow::shared_wgsl,
     "integrator/sky" shares encode::sky_kinds_wgsl,
     "integrator/splitting",
