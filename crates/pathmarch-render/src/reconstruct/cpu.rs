@@ -1,6 +1,6 @@
 //! Reconstruction on the CPU.
 //!
-//! **Cost.** 0.14 to 0.7 of the time in which one sample is traced.
+//! **Cost.** 0.2 to 0.8 of the time in which one sample is traced.
 
 use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
 use super::motion::{EarlierPoints, Motion};
