@@ -204,6 +204,6 @@ impl ReflectionRecorder {
             };
             Some((slot, ReflectedLight { radiance: sampled + rest, square: 0.0, depth, alpha, is_coloured }))
         };
-        self.slots.into_iter().enumerate().filter_map(of).collect::<Vec<_>>().into_iter()
+        self.slots.into_iter().enumerate().filter_map(of)
     }
 }

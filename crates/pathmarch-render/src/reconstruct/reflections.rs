@@ -26,7 +26,7 @@ use rayon::prelude::*;
 
 shared_constants! {
     /// Half the side of the square over which the light of facets and the distance of what is mirrored are averaged, pixels.
-    pub(super) const IMAGE_RADIUS: i32 = 8;
+    const IMAGE_RADIUS: i32 = 8;
     /// Standard deviations of single samples by which a mean may differ from that of the square: five standard errors.
     const IMAGE_REACH: f32 = 0.3;
     /// Largest distance of points that share the light of facets, in distances of what is mirrored times alpha.
@@ -35,7 +35,7 @@ shared_constants! {
     const MIN_MAGNIFICATION: f32 = 0.2;
     /// Largest share of the depth of an image in its distance from the camera.
     const MAX_IMAGE_DEPTH: f32 = 0.9999;
-    /// Depth of images in surfaces that have none.
+    /// Depth of images in surfaces that are not smooth.
     const NO_IMAGE: f32 = -1.0;
     /// Weight of pixels without light of facets, W/(m² sr).
     const DARK_WEIGHT: f32 = 1e-6;
@@ -68,8 +68,8 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
         let weight = if guide.has_facets() { luminance(guide.reflected.radiance) + DARK_WEIGHT } else { 0.0 };
         [light, light * light, weight, weight * guide.reflected.depth]
     });
-    let image = |(guide, BoxMeans([mean, square, weight, weighted_depth])): (usize, &BoxMeans)| {
-        let (index, guide) = (guide, &guides[guide]);
+    let image = |(index, BoxMeans([mean, square, weight, weighted_depth])): (usize, &BoxMeans)| {
+        let guide = &guides[index];
         if !guide.has_facets() {
             return Image::default();
         }

@@ -100,14 +100,15 @@ shared_constants! {
     const CURVED_TOLERANCE: f32 = 0.2;
     /// Least cosine between the normal and the ray by which the tolerance within the plane is divided.
     const MIN_GRAZING_COSINE: f32 = 0.05;
-    /// The same of surfaces that are not smooth, as those of fractals: the past, interpolated again and again, would blur them.
-    const MAX_ROUGH_HISTORY: f32 = 3.0;
     /// Least cosine between the normals of pixels beside each other on a smooth surface.
     const MIN_SMOOTH_COSINE: f32 = 0.9;
-    /// Least number of such pixels, of four.
+    /// Least number of such pixels beside one that is on a smooth surface.
     pub(super) const SMOOTH_NEIGHBOURS: u32 = 2;
     /// Longest history of glass, and of glossy surfaces whose facets are not filtered apart, while the camera moves, samples.
     const MAX_GLOSSY_HISTORY: f32 = 3.0;
+    /// Longest history of surfaces that are not smooth, as those of fractals, while the camera moves, samples: the past,
+    /// interpolated again and again, would blur them.
+    const MAX_ROUGH_HISTORY: f32 = 3.0;
     /// Half the side of the square that decides which luminance is plausible, pixels.
     const PLAUSIBLE_RADIUS: i32 = 2;
     /// Standard deviations of single samples by which a mean may differ from that of the square: three standard errors.
