@@ -3,7 +3,7 @@
 //! **Idea.** Camera rays of the picture's own first samples, so that edges, depth of field and antialiasing agree with
 //! those of the picture. A ray passes mirrors and smooth glass as a path does, so that the features of a reflection are
 //! those of what is reflected; it ends at solids inside which light is scattered. Two halves of the rays measure the noise of the features.
-//! Mirror images, leaves and the spread of the positions are for [`temporal`](super::temporal).
+//! Mirror images, leaves and the spread of the positions are for the temporal pass.
 //!
 //! **Source.** Feature buffers with half buffers: Rousselle, Manzi, Zwicker 2013, "Robust Denoising using Feature and
 //! Color Information".
