@@ -53,6 +53,10 @@ pub struct Settings {
     /// sooner. Unbiased. Applies to [`Mode::Path`] without `crop` and `clamp`, to scenes without media, bump maps and traced or
     /// fast caustics; on software adapters that end loops, only to fields without loops.
     pub path_reuse: Option<bool>,
+    /// Whether pixels at the edges of emitters have further camera rays, which make them smooth sooner; `None` in pictures that
+    /// are large enough. Unbiased. Applies to [`Mode::Path`], to scenes without fog, media and priorities, to stills and
+    /// moments without motion blur.
+    pub emitter_edges: Option<bool>,
     /// Pixels to render; the film has only these. `None` for all. For stills; live pictures ignore it.
     pub crop: Option<Rect>,
 }
@@ -135,6 +139,7 @@ impl From<&RenderSettings> for Settings {
             preview_steps: PreviewSteps::default(),
             splitting: None,
             path_reuse: None,
+            emitter_edges: None,
             crop: None,
         }
     }

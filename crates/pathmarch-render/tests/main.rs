@@ -9,6 +9,7 @@ mod common;
 mod custom_sdf;
 mod denoise;
 mod dispersion;
+mod emitter_edges;
 mod examples;
 mod glass;
 mod images;
@@ -42,6 +43,7 @@ fn main() {
         blends::tests(),
         caustics::tests(),
         dispersion::tests(),
+        emitter_edges::tests(),
         examples::tests(),
         glass::tests(),
         images::tests(),

@@ -1,6 +1,7 @@
 //! CPU backend: tiles on all cores, eight rays in SIMD lanes. It needs no driver or adapter and is always available.
 
 use super::RenderInput;
+use crate::integrator::emitter_edges;
 use crate::integrator::guides::{FILM_SAMPLES, Guide};
 use crate::integrator::splitting;
 use crate::mode::{Mode, uncertainty_of};
@@ -11,6 +12,7 @@ use crate::ray_stats::RayCounters;
 use crate::scene::{PhotonMap, TraceContext};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use web_time::Instant;
@@ -45,9 +47,20 @@ struct Tile {
 }
 
 impl Tile {
-    fn pixels(self) -> Vec<(u32, u32)> {
-        (self.y[0]..self.y[1]).flat_map(|y| (self.x[0]..self.x[1]).map(move |x| (x, y))).collect()
+    fn columns(self) -> Range<u32> {
+        self.x[0]..self.x[1]
     }
+    fn rows(self) -> Range<u32> {
+        self.y[0]..self.y[1]
+    }
+    fn pixels(self) -> Vec<(u32, u32)> {
+        self.rows().flat_map(|y| self.columns().map(move |x| (x, y))).collect()
+    }
+}
+
+/// Adds a value to the sum of a pixel.
+fn add_to(sum: &mut [f32; 3], value: Vec3) {
+    *sum = (Vec3::from(*sum) + value).into();
 }
 
 /// True for a sample that the film accepts: the same test as in the kernel. Comparisons with NaN are false.
@@ -102,6 +115,11 @@ impl CpuJob {
         self.input.config.path_reuse
     }
 
+    /// True if edges of emitters have further camera rays.
+    pub(crate) fn traces_edges(&self) -> bool {
+        self.input.edges.is_some()
+    }
+
     /// Guides, if they are recorded.
     pub(crate) fn guides(&self) -> Option<Arc<Vec<Guide>>> {
         self.guides.clone()
@@ -119,7 +137,7 @@ impl CpuJob {
             self.rect = Rect::of([width, height]);
             self.tiles = tiles(self.rect);
         }
-        (self.input.frame, self.first_sample) = (input.frame, first_sample);
+        (self.input.frame, self.input.edges, self.first_sample) = (input.frame, None, first_sample);
         self.film = Film::new(width, height);
         self.guides = self.guides.as_ref().map(|_| Arc::default());
         self.done = 0;
@@ -172,19 +190,23 @@ impl CpuJob {
             } else {
                 (self.input.samples_of(&ctx, &pixels, sample, begun), Vec::new())
             };
+            let edges = self.input.edges.as_ref().map_or(Vec::new(), |edges| edges.within(tile.columns(), tile.rows()));
+            let corrections = emitter_edges::corrections(&ctx, &edges, sample, begun);
             let row = (tile.y[0] - top) / TILE;
             let mut rejected = Vec::new();
             let mut sums = rows[row as usize].lock().unwrap_or_else(PoisonError::into_inner);
-            for (&(x, y), values) in pixels.iter().zip(values.chunks(begun as usize)) {
-                let (x, y) = (x - left, y - top);
-                let pixel = ((y - row * TILE) * width + x) as usize;
+            let index = |(x, y): (u32, u32)| ((y - top - row * TILE) * width + x - left) as usize;
+            for (&pixel, values) in pixels.iter().zip(values.chunks(begun as usize)) {
                 for value in values {
                     if is_kept(*value) {
-                        sums[pixel] = (Vec3::from(sums[pixel]) + *value).into();
+                        add_to(&mut sums[index(pixel)], *value);
                     } else {
-                        rejected.push((y * width + x) as usize);
+                        rejected.push(index(pixel) + (row * TILE * width) as usize);
                     }
                 }
+            }
+            for (pixel, correction) in edges.into_iter().zip(corrections) {
+                add_to(&mut sums[index(pixel)], correction);
             }
             (rejected, guides)
         };

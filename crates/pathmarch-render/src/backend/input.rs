@@ -1,5 +1,6 @@
 //! Input of both backends for one picture.
 
+use crate::integrator::emitter_edges::{self, EmitterEdges};
 use crate::integrator::guides::Guide;
 use crate::integrator::photons;
 use crate::integrator::photons::emission::Emission;
@@ -29,6 +30,8 @@ pub(crate) struct RenderInput {
     pub(crate) data: ModeData,
     /// Starts of light paths, with traced caustics.
     pub(crate) emission: Option<Arc<Emission>>,
+    /// Edges of emitters that have further camera rays.
+    pub(crate) edges: Option<Arc<EmitterEdges>>,
     /// True to record guides, see [`records_guides`](Self::records_guides).
     wants_guides: bool,
 }
@@ -73,6 +76,7 @@ impl RenderInput {
             mode: settings.mode,
             data,
             emission: emission.map(Arc::new),
+            edges: None,
             wants_guides: false,
         }
     }
@@ -92,6 +96,7 @@ impl RenderInput {
     pub(crate) fn reframe(&mut self, scene: &Scene, settings: &Settings) -> bool {
         let only_frame_changes = finite_bounds(scene).is_finite() && settings.mode != Mode::Depth;
         if only_frame_changes {
+            self.edges = None;
             self.frame = FrameUniforms::new(scene, settings, &self.scene);
         }
         only_frame_changes
@@ -117,6 +122,15 @@ impl RenderInput {
                 let cost = if on_software_gpu { path_reuse_choice::SOFTWARE_CONNECTION_COST } else { 1.0 };
                 path_reuse_choice::pays(&self.scene, &self.frame, &self.config, samples, cost)
             });
+    }
+
+    /// Traces further camera rays at the edges of emitters if the settings ask for it, or if the picture has enough `samples`
+    /// for it to pay.
+    pub(crate) fn choose_emitter_edges(&mut self, settings: &Settings, samples: u32) {
+        let is_possible = self.mode == Mode::Path && !self.config.media && !self.wants_guides;
+        if is_possible && settings.emitter_edges.unwrap_or_else(|| emitter_edges::pay(self.frame.size(), samples)) {
+            self.edges = EmitterEdges::new(&self.context(None)).map(Arc::new);
+        }
     }
 
     /// Makes the numbers of the field and of the frame constants of a kernel for a software adapter, if the picture has

@@ -90,6 +90,19 @@ pub(crate) fn radiance_along(ctx: &TraceContext, rays: impl Iterator<Item = (Ray
     continue_paths(ctx, paths, vertices, radiance, None, None)
 }
 
+/// Light that the surfaces which these rays hit emit towards the camera.
+pub(crate) fn emission_along(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> Vec<Vec3> {
+    let (mut paths, mut radiance) = start_paths(ctx, rays);
+    let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, None);
+    radiance.fill(Vec3::ZERO);
+    for (path, vertex) in paths.iter().zip(&vertices) {
+        if let Vertex::Surface(interaction) = vertex {
+            add_emission(ctx, path, interaction, 0, &mut radiance);
+        }
+    }
+    radiance
+}
+
 /// Starts a path with each of these rays. Returns the paths and the radiance of each so far.
 fn start_paths(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> (Vec<Path>, Vec<Vec3>) {
     let medium = ctx.frame.camera_medium();

@@ -204,6 +204,7 @@ impl Renderer {
         }
         let samples = settings.whole_samples.unwrap_or(settings.samples);
         input.choose_path_reuse(settings, samples, false);
+        input.choose_emitter_edges(settings, samples);
         if settings.splitting.is_none() && !input.config.path_reuse {
             input.choose_splitting(samples, false);
         }
@@ -234,6 +235,7 @@ fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -
             input.choose_splitting(samples, true);
         }
     }
+    input.choose_emitter_edges(settings, samples);
     Ok(GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::OFFLINE)?.cropped(settings.rect()))
 }
 

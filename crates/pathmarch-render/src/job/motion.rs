@@ -149,8 +149,14 @@ impl MotionBlur {
         let samples = (RUN - first % RUN).min(end - first);
         let moment = self.shutter.moment(self.settings.seed, first);
         let scene = self.animation.lock().unwrap_or_else(PoisonError::into_inner).at(moment)?;
-        // Runs are too short to decide on path reuse, and a range of samples may cut one.
-        let settings = Settings { first_sample: first, samples, path_reuse: Some(false), ..self.settings.clone() };
+        // Runs are too short to decide on path reuse and to find edges, and a range of samples may cut one.
+        let settings = Settings {
+            first_sample: first,
+            samples,
+            path_reuse: Some(false),
+            emitter_edges: Some(false),
+            ..self.settings.clone()
+        };
         let (mut tracer, backend) = self.renderer.trace(&scene, &settings)?;
         if !self.active.is_empty() {
             tracer.restrict(self.active.clone());

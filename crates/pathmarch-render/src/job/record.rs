@@ -57,6 +57,12 @@ impl Job {
         matches!(&self.work, Work::Still(tracer) if tracer.reuses_paths())
     }
 
+    /// True if pixels at the edges of emitters have further camera rays, see
+    /// [`Settings::emitter_edges`](crate::Settings::emitter_edges).
+    pub fn traces_emitter_edges(&self) -> bool {
+        matches!(&self.work, Work::Still(tracer) if tracer.traces_edges())
+    }
+
     pub(super) fn is_whole(&self) -> bool {
         match &self.work {
             Work::Still(tracer) => tracer.is_whole(),

@@ -79,6 +79,14 @@ impl Tracer {
         }
     }
 
+    /// True if edges of emitters have further camera rays.
+    pub(crate) fn traces_edges(&self) -> bool {
+        match self {
+            Self::Gpu(job) => job.traces_edges(),
+            Self::Cpu(job) => job.traces_edges(),
+        }
+    }
+
     /// Film so far; finishes samples that are begun.
     pub(crate) fn film(&mut self) -> Result<Film, RenderError> {
         while !self.is_whole() {

@@ -230,6 +230,12 @@ impl LightShape {
         }
     }
 
+    /// Centre and radius of a sphere around an emitting object, in world space, metres; `None` for other lights.
+    pub(crate) fn emitting_bounds(&self) -> Option<(Vec3, f32)> {
+        let bounds = self.bounds(&|_| 0.0).filter(|_| self.leaf().is_some());
+        bounds.map(|bounds| (bounds.centre, bounds.radius))
+    }
+
     /// Bounds of a light with a position, and the strength of its colour as its intensity; `None` for suns and the environment.
     fn bounds(&self, strength: &impl Fn(Vec3) -> f32) -> Option<LightBounds> {
         let everywhere =

@@ -60,8 +60,23 @@ fn mesh_tangent(leaf: u32, triangle: u32, local: vec3f) -> vec4f {
 
 ";
 
+/// Kernels of a picture.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum KernelKind {
+    /// Samples of all pixels.
+    Samples,
+    /// Further camera rays of the pixels at edges of emitters.
+    EmitterEdges,
+}
+
 /// Source of a picture's kernel in WGSL.
-pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings, data: &SceneData) -> String {
+pub(super) fn kernel(
+    kind: KernelKind,
+    input: &RenderInput,
+    program: &Program,
+    bindings: &Bindings,
+    data: &SceneData,
+) -> String {
     let mut code = String::from("// ---- bindings ----\n");
     code += &bindings.declarations(input, program);
     code += "\n// ---- configuration ----\n";
@@ -93,7 +108,11 @@ pub(super) fn kernel(input: &RenderInput, program: &Program, bindings: &Bindings
         code += "\n// ---- textures ----\n";
         code += &textures_of(input);
     }
-    let entry = if input.config.path_reuse { "backend/gpu/trace_tiles" } else { "backend/gpu/trace" };
+    let entry = match kind {
+        KernelKind::EmitterEdges => "backend/gpu/emitter_edges",
+        KernelKind::Samples if input.config.path_reuse => "backend/gpu/trace_tiles",
+        KernelKind::Samples => "backend/gpu/trace",
+    };
     code + &shaders::with_imports(entry, &[], &|name| implementation(name, input, bindings))
 }
 
@@ -225,6 +244,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("MEDIUM_DATA", data.media as u32),
         ("MEDIUM_WORDS", Medium::WORDS as u32),
         ("DIELECTRIC_DATA", data.dielectrics as u32),
+        ("EDGE_DATA", data.edges as u32),
     ] {
         constant(name, &format_args!("{value}u"));
     }

@@ -11,10 +11,11 @@ use super::display::DisplayBuffers;
 use super::encode::LightRecord;
 use super::kernel_cache::{Kernel, KernelSource};
 use super::loop_limit::{self, SuspendedPaths};
-use super::slice::{BAND, Progress, Slice};
+use super::slice::{BAND, MAX_GROUPS_ACROSS, Progress, Slice};
 use super::timer::GpuTimer;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
+use crate::integrator::emitter_edges::{EmitterEdges, RAYS_PER_EDGE};
 use crate::integrator::guides::FILM_SAMPLES;
 use crate::integrator::photons;
 use crate::integrator::splitting;
@@ -43,6 +44,8 @@ pub(crate) const MAX_LEAVES: usize = 2048;
 pub(crate) struct GpuJob {
     device: Arc<GpuContext>,
     kernel: Arc<Kernel>,
+    /// Kernel for the edges of emitters, and the edges.
+    edges: Option<(Arc<Kernel>, Arc<EmitterEdges>)>,
     bindings: wgpu::BindGroup,
     frame: wgpu::Buffer,
     /// True if the kernel contains the frame.
@@ -182,7 +185,11 @@ impl GpuJob {
         let photon_bytes = if input.emission.is_some() { photon_bytes(size) } else { 0 };
         check_tables(&device, source, photon_bytes)?;
         let started = Instant::now();
-        let kernel = device.kernels.compile(&device, source)?;
+        let kernel = device.kernels.compile(&device, source, &source.code)?;
+        let edges = match (&source.edges, &input.edges) {
+            (Some(code), Some(edges)) => Some((device.kernels.compile(&device, source, code)?, edges.clone())),
+            _ => None,
+        };
         let gpu = &device.device;
         let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
         let out_of_memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
@@ -199,7 +206,8 @@ impl GpuJob {
             device.queue.write_buffer(&buffer, 0, contents);
             buffer
         };
-        let slice_stride = gpu.limits().min_uniform_buffer_offset_alignment.max(size_of::<Slice>() as u32);
+        let slice_stride =
+            (size_of::<Slice>() as u32).next_multiple_of(gpu.limits().min_uniform_buffer_offset_alignment);
         let slices = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("slices"),
             size: u64::from(slice_stride) * MAX_DISPATCHES as u64,
@@ -279,6 +287,7 @@ impl GpuJob {
         let mut job = Self {
             device,
             kernel,
+            edges,
             bindings,
             frame,
             frame_is_constant: source.bindings.frame_is_constant(),
@@ -330,6 +339,7 @@ impl GpuJob {
             photons.input.frame = *frame;
         }
         self.wait()?;
+        self.edges = None;
         self.size = size;
         (self.rect, self.active, self.current) = (Rect::of(size), vec![Rect::of(size)], 0);
         self.bounces = self.bounces.map(|_| frame.bounces);
@@ -378,10 +388,15 @@ impl GpuJob {
             let timestamp_writes = self.timer.as_mut().map(GpuTimer::next);
             let mut pass =
                 encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("trace"), timestamp_writes });
-            pass.set_pipeline(&self.kernel.pipeline);
             for (k, slice) in slices.iter().enumerate() {
+                pass.set_pipeline(&self.kernel.pipeline);
                 pass.set_bind_group(0, &self.bindings, &[k as u32 * self.slice_stride]);
                 pass.dispatch_workgroups(slice.columns.div_ceil(8), slice.rows.div_ceil(BAND).max(1), 1);
+                if let Some((kernel, _)) = self.edges.as_ref().filter(|_| slice.edges > 0 && round == 0) {
+                    let groups = slice.edges.div_ceil(64 / RAYS_PER_EDGE);
+                    pass.set_pipeline(&kernel.pipeline);
+                    pass.dispatch_workgroups(groups.min(MAX_GROUPS_ACROSS), groups.div_ceil(MAX_GROUPS_ACROSS), 1);
+                }
             }
         }
         if let Some(suspended) = &self.suspended {
@@ -446,6 +461,7 @@ impl GpuJob {
         } else {
             slice((pixels / band) as u32 * BAND, width)
         };
+        let slice = self.with_edges(slice);
         let next = &mut self.submitted;
         next.column = column + slice.columns;
         if next.column == width {
@@ -459,6 +475,13 @@ impl GpuJob {
             };
         }
         slice
+    }
+
+    /// The slice, with the edges of emitters in its rows.
+    fn with_edges(&self, slice: Slice) -> Slice {
+        let Some((_, edges)) = &self.edges else { return slice };
+        let places = edges.in_rows(slice.first_row..slice.first_row + slice.rows);
+        Slice { first_edge: places.start as u32, edges: places.len() as u32, ..slice }
     }
 
     /// Slices of a submission towards `samples` samples of every pixel.
@@ -595,6 +618,11 @@ impl GpuJob {
     /// True if pixels share light.
     pub(crate) fn reuses_paths(&self) -> bool {
         self.reuses_paths
+    }
+
+    /// True if edges of emitters have further camera rays.
+    pub(crate) fn traces_edges(&self) -> bool {
+        self.edges.is_some()
     }
 
     /// Number of paths that share a camera ray.

@@ -1,7 +1,7 @@
 //! Cache of compiled kernels, so that a device compiles each kernel once.
 
 use super::bindings::{self, Bindings};
-use super::compose::{kernel, program};
+use super::compose::{KernelKind, kernel, program};
 use super::device::Device;
 use super::encode::SceneData;
 use crate::backend::RenderInput;
@@ -15,6 +15,8 @@ const CAPACITY: usize = 24;
 /// Source of a scene's kernel, and the data that it reads. Scenes of the same structure have the same source.
 pub(crate) struct KernelSource {
     pub(crate) code: String,
+    /// Source of the kernel for edges of emitters, if there are any. It has the same bindings.
+    pub(super) edges: Option<String>,
     pub(super) parameters: Vec<[f32; 4]>,
     pub(super) data: SceneData,
     pub(crate) bindings: Bindings,
@@ -35,8 +37,10 @@ impl KernelSource {
         let bindings = Bindings::new(input, &program, software);
         let stored_tree = input.light_tree().filter(|_| !bindings.is_uniform(bindings::LIGHT_TREE));
         let data = SceneData::new(input, &program, stored_tree);
-        let code = kernel(input, &program, &bindings, &data);
-        Self { code, parameters: program.parameters, data, bindings, trusted }
+        let source = |kind| kernel(kind, input, &program, &bindings, &data);
+        let code = source(KernelKind::Samples);
+        let edges = input.edges.as_ref().map(|_| source(KernelKind::EmitterEdges));
+        Self { code, edges, parameters: program.parameters, data, bindings, trusted }
     }
 
     /// True if the device has compiled this kernel and dispatched it once.
@@ -76,19 +80,22 @@ impl KernelCache {
         Some(kernel)
     }
 
-    /// Returns the kernel of a source; compiles it if it is not in the cache.
-    pub(super) fn compile(&self, device: &Device, source: &KernelSource) -> Result<Arc<Kernel>, RenderError> {
-        if let Some(kernel) = self.get(&source.code) {
+    /// Returns the kernel of a source with this code; compiles it if it is not in the cache.
+    pub(super) fn compile(
+        &self,
+        device: &Device,
+        source: &KernelSource,
+        code: &str,
+    ) -> Result<Arc<Kernel>, RenderError> {
+        if let Some(kernel) = self.get(code) {
             return Ok(kernel);
         }
         let gpu = &device.device;
         let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
         let memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let layout = bind_group_layout(gpu, &source.bindings);
-        let descriptor = wgpu::ShaderModuleDescriptor {
-            label: Some("trace"),
-            source: wgpu::ShaderSource::Wgsl(source.code.as_str().into()),
-        };
+        let descriptor =
+            wgpu::ShaderModuleDescriptor { label: Some("trace"), source: wgpu::ShaderSource::Wgsl(code.into()) };
         let module = match source.trusted {
             // SAFETY: every loop of the kernel counts to a constant, or to a number of bounces, lights or iterations that the
             // CPU has checked. Every index comes from tables that were built with the kernel. It contains no code of a user.
@@ -114,7 +121,7 @@ impl KernelCache {
         for scope in [memory, validation] {
             device.end_scope(scope)?;
         }
-        let kernel = Arc::new(Kernel { code: source.code.clone(), pipeline, layout, warm: AtomicBool::new(false) });
+        let kernel = Arc::new(Kernel { code: code.to_owned(), pipeline, layout, warm: AtomicBool::new(false) });
         if let Ok(mut kernels) = self.0.lock() {
             if kernels.len() == CAPACITY {
                 kernels.remove(0);

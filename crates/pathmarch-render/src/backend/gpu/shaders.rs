@@ -6,10 +6,10 @@
 
 use super::encode;
 use super::loop_limit::SuspendedPath;
-use super::slice::Slice;
+use super::slice::{self, Slice};
 use crate::integrator::{
-    guides, light_sampling, media_segment, medium, participating_media, path_reuse, path_state, reflected_light,
-    shadow, splitting,
+    emitter_edges, guides, light_sampling, media_segment, medium, participating_media, path_reuse, path_state,
+    reflected_light, shadow, splitting,
 };
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
@@ -54,6 +54,7 @@ static FILES: &[ShaderFile] = shader_files![
         [declaration::<FrameUniforms>(), declaration::<Slice>(), declaration::<LeafRecord>(), leaf::shared_wgsl(),
             declaration::<MaterialRecord>(), material::shared_wgsl()].concat()
     },
+    "backend/gpu/emitter_edges" shares || emitter_edges::shared_wgsl() + &slice::shared_wgsl(),
     "backend/gpu/film",
     "backend/gpu/lanes",
     "backend/gpu/loop_limit" shares declaration::<SuspendedPath>,
@@ -87,9 +88,10 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/participating_media" shares || {
         [participating_media::shared_wgsl(), scene_medium::shared_wgsl(), scene_light::shared_wgsl()].concat()
     },
-    "integrator/path" shares path_state::shared_wgsl,
+    "integrator/path",
     "integrator/path_reuse" shares path_reuse::shared_wgsl,
     "integrator/path_segment",
+    "integrator/path_state" shares path_state::shared_wgsl,
     "integrator/penumbra",
     "integrator/photons" shares photon_map::shared_wgsl,
     "integrator/radiance",

@@ -1,6 +1,6 @@
 //! Slices of a picture's work, one for each dispatch.
 
-use crate::wgsl::shared_struct;
+use crate::wgsl::{shared_constants, shared_struct};
 
 shared_struct! {
     /// Samples and pixels of one dispatch.
@@ -17,7 +17,16 @@ shared_struct! {
         pub(super) first_slot: u32,
         /// Number of samples whose guides are stored, this one included; 0 if they are not.
         pub(super) guide_samples: u32,
+        /// First of the edges of emitters in its rows, and their number.
+        pub(super) first_edge: u32,
+        pub(super) edges: u32,
+        pub(super) padding: [u32; 2],
     }
+}
+
+shared_constants! {
+    /// Largest number of workgroups in a row of a dispatch for edges.
+    pub(super) const MAX_GROUPS_ACROSS: u32 = 32_768;
 }
 
 impl Slice {

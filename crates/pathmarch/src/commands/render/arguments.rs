@@ -84,6 +84,9 @@ pub struct Arguments {
     /// Pixels share light that their paths find: on or off [default: on where the picture then converges sooner]
     #[arg(long, value_name = "on|off", value_parser = parse_switch)]
     pub(super) path_reuse: Option<bool>,
+    /// More camera rays at the edges of visible lamps: on or off [default: on from a million samples, summed over pixels]
+    #[arg(long, value_name = "on|off", value_parser = parse_switch)]
+    pub(super) emitter_edges: Option<bool>,
     /// Exposure of PNG and JPEG in stops, -100 to 100; or auto, which suits the picture [default: the camera's]
     #[arg(long, value_name = "EV", value_parser = parse_exposure, allow_hyphen_values = true)]
     pub(super) exposure: Option<Exposure>,
@@ -274,8 +277,9 @@ impl Arguments {
             settings.preview_steps.set(*step, false);
         }
         let (first_sample, seed, splitting, crop) = (self.first_sample, self.seed, self.splitting, self.crop);
-        let path_reuse = self.path_reuse;
-        let whole = Settings { first_sample, seed, camera, mode, splitting, path_reuse, crop, ..settings };
+        let (path_reuse, emitter_edges) = (self.path_reuse, self.emitter_edges);
+        let whole =
+            Settings { first_sample, seed, camera, mode, splitting, path_reuse, emitter_edges, crop, ..settings };
         let Some(range) = self.render.sample_range() else { return Ok(whole) };
         Ok(Settings {
             first_sample: range.start,
@@ -364,6 +368,7 @@ impl Arguments {
                 (self.render.sample_range().is_some(), "a range of --samples"),
                 (self.splitting.is_some(), "--splitting"),
                 (self.path_reuse.is_some(), "--path-reuse"),
+                (self.emitter_edges.is_some(), "--emitter-edges"),
                 (film, "a .film"),
             ];
             if let Some((_, name)) = excluded.into_iter().find(|(given, _)| *given) {

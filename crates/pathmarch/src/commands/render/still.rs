@@ -83,6 +83,9 @@ impl Task<'_> {
         if self.settings.path_reuse == Some(true) && !job.reuses_paths() {
             note!("note: --path-reuse has no effect: it is for path-traced pictures of diffuse surfaces");
         }
+        if self.settings.emitter_edges == Some(true) && !job.traces_emitter_edges() {
+            note!("note: --emitter-edges has no effect: no lamp is in view, or there are fog, media or priorities");
+        }
         let picture = self.picture(before);
         let of = self.settings.samples;
         let late = || self.arguments.seconds.is_some_and(|seconds| picture.started.elapsed().as_secs_f64() >= seconds);
@@ -198,6 +201,7 @@ impl Task<'_> {
             samples: settings.samples - before,
             whole_samples: Some(settings.whole_samples.unwrap_or(settings.samples)),
             path_reuse: Some(job.reuses_paths()),
+            emitter_edges: Some(job.traces_emitter_edges()),
             splitting: Some(job.splitting()).filter(|_| settings.mode.traces_paths()).or(settings.splitting),
             ..settings.clone()
         };

@@ -42,6 +42,8 @@ pub(crate) struct SceneData {
     pub(super) media: usize,
     /// Offset of the dielectric of each leaf.
     pub(super) dielectrics: usize,
+    /// Offset of the pixels at edges of emitters.
+    pub(super) edges: usize,
 }
 
 impl SceneData {
@@ -84,8 +86,23 @@ impl SceneData {
         if input.config.nested_dielectrics {
             words.extend((0..scene.leaves.len()).flat_map(|leaf| scene.dielectric_words(leaf)));
         }
-        let sky = 0;
-        Self { words, vectors, light_tree, photons, sky, ggx, textures, mode, mesh_lights, meshes, media, dielectrics }
+        let edges = words.len();
+        words.extend(input.edges.iter().flat_map(|edges| edges.pixels()));
+        Self {
+            words,
+            vectors,
+            light_tree,
+            photons,
+            sky: 0,
+            ggx,
+            textures,
+            mode,
+            mesh_lights,
+            meshes,
+            media,
+            dielectrics,
+            edges,
+        }
     }
 }
 

@@ -1,0 +1,63 @@
+// import: backend/gpu/buffers, integrator/camera, integrator/camera_ray_index, integrator/path_state, intersect/march
+// Entry point: further camera rays at the edges of emitters in a slice. Twin of emitter_edges.rs, which explains them. Sixteen
+// lanes trace the rays of a pixel: the further ones, and the last lane the path's own.
+
+/// Number of pixels of a workgroup.
+const EDGES_PER_GROUP = 64u / RAYS_PER_EDGE;
+
+/// Emission along the ray of each lane.
+var<workgroup> emissions: array<vec3f, 64>;
+
+/// Light that the surface which a camera ray hits emits towards the camera.
+fn emission_along(camera: Ray, sampler: PixelSampler) -> vec3f {
+    var path = path_from(camera, sampler);
+    let hit = march(path.ray, path.length, AT_INFINITY);
+    if hit.t < 0.0 {
+        return vec3f(0.0);
+    }
+    if ABSORPTION {
+        path.throughput *= transmittance(path.medium, hit.t);
+    }
+    if arrive(&path, hit) && HAS_GLOW {
+        let interaction = resolve_surface(path.ray.origin, path.ray.direction, path.hit, path.surface_at_hit);
+        let m = leaves[interaction.leaf].material;
+        if (materials[m].flags & GLOWS) != 0u {
+            evaluate_textures(m, interaction, path.length);
+            add_emission(&path, interaction, emission_at(m));
+        }
+    }
+    return path.radiance;
+}
+
+@compute @workgroup_size(64)
+fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    load_frame();
+    let edge = EDGES_PER_GROUP * (group.y * MAX_GROUPS_ACROSS + group.x) + lane / RAYS_PER_EDGE;
+    let exists = edge < slice.edges;
+    let pixel = select(0u, scene_data[EDGE_DATA + slice.first_edge + min(edge, slice.edges - 1u)], exists);
+    let x = pixel % frame.width;
+    let y = pixel / frame.width;
+    let is_inside = exists && x >= slice.first_column && x < slice.first_column + slice.columns;
+    let ray_of_pixel = lane % RAYS_PER_EDGE;
+    emissions[lane] = vec3f(0.0);
+    if is_inside {
+        let camera_ray_index = camera_ray_index(slice.sample);
+        var sampler = pixel_sampler(x, y, camera_ray_index, frame.seed);
+        if ray_of_pixel < EDGE_RAYS {
+            sampler = pixel_sampler(x, y, camera_ray_index * RAYS_PER_EDGE + ray_of_pixel, hash(~frame.seed));
+        }
+        emissions[lane] = emission_along(camera_ray(x, y, sampler), sampler);
+    }
+    workgroupBarrier();
+    if is_inside && ray_of_pixel == 0u {
+        var sum = vec3f(0.0);
+        for (var k = 0u; k < EDGE_RAYS; k++) {
+            sum += emissions[lane + k];
+        }
+        let difference = f32(slice.samples) * (sum / f32(EDGE_RAYS) - emissions[lane + EDGE_RAYS]);
+        // The film rejects samples that are not finite. Comparisons with NaN are false.
+        if all(abs(difference) < vec3f(1e30)) {
+            film[pixel] += vec4f(difference, 0.0);
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Emitter edges: further camera rays through the edges of emitters that the camera sees.
+//!
+//! **Idea.** A pixel that a small or bright emitter covers in part is noisy: its camera rays hit the emitter or miss it.
+//! But what emitters add to it directly is the mean of their emission over camera rays alone, and a path costs ten times
+//! as much as its camera ray. So each sample of such a pixel has [`EDGE_RAYS`] further camera rays. The mean of the
+//! emission that they find takes the place of that of the path's own ray: the difference is added to the sample. Its
+//! expected value is zero, so any pixels may have it.
+//!
+//! **Pixels.** Those within the bounds of an emitter, unless a few camera rays through them and their neighbours all
+//! find the same emission; and all that an emitter of a few pixels or less may cover.
+//!
+//! **Source.** More primary than secondary rays, where they cause the variance: Arvo and Kirk 1990, "Particle Transport
+//! and Image Synthesis", section 5.
+//!
+//! **Cost.** Sixteen camera rays for each sample of these pixels. Sixty-four lamps over a plane: 2 % of the time, and a
+//! tenth of the relMSE (docs/performance.md).
+
+use super::camera::{camera_rays, pixel_sampler};
+use super::path;
+use super::splitting::camera_ray_index;
+use crate::intersect::ray::Ray;
+use crate::sampling::sobol::{PixelSampler, hash};
+use crate::scene::{FrameUniforms, TraceContext};
+use crate::wgsl::shared_constants;
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use std::ops::Range;
+
+shared_constants! {
+    /// Number of further camera rays of each sample.
+    pub(super) const EDGE_RAYS: u32 = 15;
+    /// Number of rays of each sample: these, and the path's own.
+    pub(crate) const RAYS_PER_EDGE: u32 = EDGE_RAYS + 1;
+}
+
+/// Number of camera rays through a pixel that tell whether the emission in it varies.
+const PROBE_RAYS: u32 = 4;
+/// Largest radius of an emitter whose pixels all count as edges, pixels.
+const SMALL_RADIUS: f32 = 1.5;
+/// Distance from an emitter's bounds within which pixels may be at its edge, pixels.
+const MARGIN: f32 = 1.0;
+
+/// Smallest number of samples, summed over the pixels, of a picture in which edges are found.
+const MIN_SAMPLES: f64 = 1e6;
+
+/// True if a picture of this size and with so many samples of a pixel is worth finding its edges.
+pub(crate) fn pay(size: [u32; 2], samples: u32) -> bool {
+    size.map(f64::from).iter().product::<f64>() * f64::from(samples) >= MIN_SAMPLES
+}
+
+/// Pixels at edges of emitters.
+#[derive(Debug)]
+pub(crate) struct EmitterEdges {
+    width: u32,
+    /// Indices of the pixels, row by row, in ascending order.
+    pixels: Vec<u32>,
+}
+
+/// What is known of a pixel before rays are traced through it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Place {
+    /// No emitter is near.
+    Outside,
+    /// Within the bounds of an emitter.
+    Near,
+    /// Within those of a small one.
+    Edge,
+}
+
+impl EmitterEdges {
+    /// Edges in the picture of a context; `None` if there are none.
+    pub(crate) fn new(ctx: &TraceContext) -> Option<Self> {
+        let [width, height] = ctx.frame.size();
+        let mut places = vec![Place::Outside; width as usize * height as usize];
+        for (centre, radius) in ctx.scene.lights.iter().filter_map(|light| light.shape.emitting_bounds()) {
+            mark(ctx.frame, centre, radius, &mut places);
+        }
+        if places.iter().all(|&place| place == Place::Outside) {
+            return None;
+        }
+        let found = probe(ctx, &places);
+        let varies = |pixel: usize| {
+            let (x, y) = (pixel as u32 % width, pixel as u32 / width);
+            let around = |at: u32, length: u32| at.saturating_sub(1)..(at + 2).min(length);
+            let pixels = around(y, height).flat_map(|y| around(x, width).map(move |x| (y * width + x) as usize));
+            pixels.map(|near| found[near]).any(|near| near == MIXED || (near != UNKNOWN && near != found[pixel]))
+        };
+        let is_edge = |pixel: &u32| match places[*pixel as usize] {
+            Place::Outside => false,
+            Place::Near => varies(*pixel as usize),
+            Place::Edge => true,
+        };
+        let pixels: Vec<u32> = (0..places.len() as u32).into_par_iter().filter(is_edge).collect();
+        (!pixels.is_empty()).then_some(Self { width, pixels })
+    }
+
+    /// Indices of the pixels, row by row, in ascending order.
+    pub(crate) fn pixels(&self) -> &[u32] {
+        &self.pixels
+    }
+
+    /// Places among the [`pixels`](Self::pixels) of those in these rows.
+    pub(crate) fn in_rows(&self, rows: Range<u32>) -> Range<usize> {
+        self.between(rows.start * self.width, rows.end * self.width)
+    }
+
+    /// Pixels (x, y) in these columns and rows.
+    pub(crate) fn within(&self, columns: Range<u32>, rows: Range<u32>) -> Vec<(u32, u32)> {
+        let of_row = |y: u32| {
+            let row = y * self.width;
+            let places = self.between(row + columns.start, row + columns.end);
+            self.pixels[places].iter().map(move |pixel| (pixel - row, y))
+        };
+        rows.flat_map(of_row).collect()
+    }
+
+    /// Places of the pixels with these indices.
+    fn between(&self, start: u32, end: u32) -> Range<usize> {
+        let first = |index: u32| self.pixels.partition_point(|&pixel| pixel < index);
+        first(start)..first(end)
+    }
+}
+
+/// Marks the pixels that an emitter within a sphere may cover.
+fn mark(frame: &FrameUniforms, centre: Vec3, radius: f32, places: &mut [Place]) {
+    let [width, height] = frame.size();
+    let [position, forward, right, up] = [frame.position, frame.forward, frame.right, frame.up].map(Vec3::from);
+    let offset = centre - position;
+    let depth = offset.dot(forward);
+    let nearest = depth - radius;
+    if depth <= -radius {
+        return;
+    }
+    let half_size = 0.5 * Vec2::new(width as f32, height as f32);
+    let (at, reach) = if nearest > 0.0 {
+        let across =
+            Vec2::new(offset.dot(right) / right.length_squared(), offset.dot(up) / up.length_squared()) / depth;
+        // The outline is an ellipse, which is longer the farther it is from the axis.
+        let stretch = offset.length_squared() / (depth * depth);
+        let blur = frame.lens_radius * (1.0 / frame.focus - 1.0 / depth).abs();
+        let pixels_at_distance_one = half_size.y / up.length();
+        (
+            half_size * (1.0 + across * Vec2::new(1.0, -1.0)),
+            (radius / nearest * stretch + blur) * pixels_at_distance_one,
+        )
+    } else {
+        // The camera may be inside.
+        (half_size, f32::INFINITY)
+    };
+    let place = if reach <= SMALL_RADIUS { Place::Edge } else { Place::Near };
+    let reach = reach + MARGIN;
+    let range = |at: f32, length: u32| {
+        let end = (at + reach).ceil().clamp(0.0, length as f32) as u32;
+        (at - reach).floor().clamp(0.0, end as f32) as u32..end
+    };
+    for y in range(at.y, height) {
+        for x in range(at.x, width) {
+            let centre = Vec2::new(x as f32, y as f32) + 0.5;
+            if centre.distance(at) <= reach {
+                let known = &mut places[(y * width + x) as usize];
+                *known = place.max(*known);
+            }
+        }
+    }
+}
+
+/// Code of a pixel that is not probed.
+const UNKNOWN: u32 = 0;
+/// Code of a pixel with several emissions.
+const MIXED: u32 = 1;
+
+/// Code of the emission along a few camera rays through each pixel near an emitter: [`UNKNOWN`], [`MIXED`], or one for each
+/// value.
+fn probe(ctx: &TraceContext, places: &[Place]) -> Vec<u32> {
+    let frame = FrameUniforms { seed: hash(ctx.frame.seed), ..*ctx.frame };
+    let ctx = TraceContext { frame: &frame, ..*ctx };
+    let width = frame.width as usize;
+    let code = |found: &[Vec3]| {
+        let [r, g, b] = found[0].to_array().map(f32::to_bits);
+        let is_mixed = found.iter().any(|emission| *emission != found[0]);
+        if is_mixed { MIXED } else { hash(r ^ hash(g ^ hash(b))).max(MIXED + 1) }
+    };
+    let of_row = |(y, row): (usize, &[Place])| {
+        let near: Vec<(u32, u32)> =
+            (0..frame.width).filter(|&x| row[x as usize] == Place::Near).map(|x| (x, y as u32)).collect();
+        let found = emission(&ctx, &near, 0..PROBE_RAYS);
+        let mut codes = vec![UNKNOWN; width];
+        for ((x, _), found) in near.into_iter().zip(found.chunks(PROBE_RAYS as usize)) {
+            codes[x as usize] = code(found);
+        }
+        codes
+    };
+    places.par_chunks(width).enumerate().flat_map_iter(of_row).collect()
+}
+
+/// Emission along these camera rays through each of these pixels, pixel by pixel.
+fn emission(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<Vec3> {
+    let of_pixel = |&(x, y): &(u32, u32)| {
+        let sampler = move |index: u32| pixel_sampler(ctx.frame, x, y, index);
+        indices.clone().map(move |index| ((x, y), sampler(index)))
+    };
+    let (pixels, samplers): (Vec<(u32, u32)>, Vec<PixelSampler>) = pixels.iter().flat_map(of_pixel).unzip();
+    let rays: Vec<Ray> = camera_rays(ctx.frame, &pixels, &samplers);
+    path::emission_along(ctx, rays.into_iter().zip(samplers))
+}
+
+/// What is added to the sum of the `samples` samples of each of these pixels that share the camera ray of sample `first`.
+pub(crate) fn corrections(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
+    if pixels.is_empty() {
+        return Vec::new();
+    }
+    let ray = camera_ray_index(first, ctx.config.splitting);
+    let own = emission(ctx, pixels, ray..ray + 1);
+    let frame = FrameUniforms { seed: hash(!ctx.frame.seed), ..*ctx.frame };
+    let run = ray.wrapping_mul(RAYS_PER_EDGE);
+    let further = emission(&TraceContext { frame: &frame, ..*ctx }, pixels, run..run + EDGE_RAYS);
+    let means = further.chunks(EDGE_RAYS as usize).map(|found| found.iter().sum::<Vec3>() / EDGE_RAYS as f32);
+    let difference = |(mean, own): (Vec3, Vec3)| {
+        let difference = samples as f32 * (mean - own);
+        // The film rejects samples that are not finite.
+        if difference.is_finite() { difference } else { Vec3::ZERO }
+    };
+    means.zip(own).map(difference).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::RenderInput;
+    use crate::settings::Settings;
+    use pathmarch_scene::Scene;
+
+    /// Edges in a picture of 64x48 pixels, at a distance of 8 metres 8 pixels a metre, of the scene with these objects.
+    fn edges(objects: &str) -> Option<EmitterEdges> {
+        let text = format!(
+            "pathmarch 1\ncamera {{ position 0 0 8; target 0 0 0; fov 41.112 }}\nmaterial \"lamp\" {{ emit 5 }}\n\
+             material \"wall\" {{ diffuse 0.5 }}\n{objects}"
+        );
+        let scene = Scene::parse("test.kdl", &text).expect("valid");
+        let input = RenderInput::new(&scene, &Settings { size: [64, 48], ..Settings::of(&scene) });
+        EmitterEdges::new(&input.context(None))
+    }
+
+    /// Distance of the centre of a pixel from that of the picture, pixels.
+    fn from_centre((x, y): (u32, u32)) -> f32 {
+        Vec2::new(x as f32 - 31.5, y as f32 - 23.5).length()
+    }
+
+    #[test]
+    fn the_outline_of_a_ball_is_an_edge() {
+        let edges = edges("object \"ball\" material=\"lamp\" { sphere 1.5 }").expect("has an outline");
+        let radius = 8.0 * 1.5 * 8.0 / (8.0f32.powi(2) - 1.5f32.powi(2)).sqrt();
+        for pixel in (0..48).flat_map(|y| (0..64).map(move |x| (x, y))) {
+            let from_outline = (from_centre(pixel) - radius).abs();
+            let is_edge = edges.within(pixel.0..pixel.0 + 1, pixel.1..pixel.1 + 1) == [pixel];
+            assert!(is_edge || from_outline > 0.7, "{pixel:?} is {from_outline} pixels from the outline");
+            assert!(!is_edge || from_outline < 3.0, "{pixel:?} is {from_outline} pixels from the outline");
+        }
+    }
+
+    #[test]
+    fn a_lamp_smaller_than_a_pixel_has_edges() {
+        let edges = edges("object \"ball\" material=\"lamp\" { sphere 0.01 { at 0.02 0.02 0 } }").expect("is seen");
+        assert!(edges.within(32..33, 23..24) == [(32, 23)]);
+        assert!(edges.pixels().len() <= 9);
+    }
+
+    #[test]
+    fn what_is_not_seen_has_no_edges() {
+        let ball = "object \"ball\" material=\"lamp\" { sphere 1.5 }";
+        assert!(
+            edges(&format!("{ball}\nobject \"wall\" material=\"wall\" {{ box 20 20 0.1 {{ at 0 0 3 }} }}")).is_none()
+        );
+        assert!(edges(&ball.replace("1.5", "1.5 { at 0 0 20 }")).is_none(), "behind the camera");
+        assert!(edges(&ball.replace("1.5", "1.5 { at 40 0 0 }")).is_none(), "beside the picture");
+        assert!(edges(&ball.replace("1.5", "20")).is_none(), "the camera is inside");
+        assert!(edges("object \"ball\" material=\"wall\" { sphere 1.5 }").is_none(), "does not emit");
+    }
+
+    #[test]
+    fn pixels_are_found_by_rows_and_rectangles() {
+        let edges = edges("object \"ball\" material=\"lamp\" { sphere 1.5 }").expect("has an outline");
+        assert!(edges.pixels().is_sorted());
+        let (left, right) = (edges.within(0..30, 0..48).len(), edges.within(30..64, 0..48).len());
+        assert_eq!(left + right, edges.pixels().len());
+        assert_eq!(edges.in_rows(0..48), 0..edges.pixels().len());
+        let rows = edges.in_rows(20..28);
+        assert!(edges.pixels()[rows.clone()].iter().all(|pixel| (20..28).contains(&(pixel / 64))));
+        assert_eq!(rows.len(), edges.within(0..64, 20..28).len());
+    }
+}
