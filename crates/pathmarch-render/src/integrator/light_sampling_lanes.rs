@@ -1,13 +1,14 @@
-//! Light sampling in SIMD lanes: directions to lights from eight points, as [`light_sampling`](super::light_sampling)
+//! Light sampling in SIMD lanes: lights and directions to them from eight points, as [`light_sampling`](super::light_sampling)
 //! samples them for one point.
 //!
 //! Spheres, rectangles and points are sampled side by side, lights of other kinds one by one.
 
-use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, power_heuristic, sample_direction};
+use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, choose_light, power_heuristic, sample_direction};
 use crate::intersect::ray::{lanes, mask_of, pack, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::TraceContext;
 use crate::scene::light::{LightShape, PointLight, SheetLight, SphereLight};
+use glam::Vec3;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use pathmarch_scene::DirectLighting;
 use std::f32::consts::TAU;
@@ -68,6 +69,33 @@ fn point(shape: &LightShape) -> Option<&PointLight> {
 /// Lanes for which a condition holds.
 fn mask_where(condition: impl Fn(usize) -> bool) -> Mask8 {
     mask_of((0..8).map(|lane| u32::from(condition(lane)) << lane).sum())
+}
+
+/// Chooses a light for each point where `wanted` is set, as [`choose_light`] does. Surfaces with these unit normals are lit on
+/// one side only.
+pub(super) fn choose_lights<'a>(
+    ctx: &TraceContext<'a>,
+    p: &[Vec3; 8],
+    normal: &[Vec3; 8],
+    choice: f32x8,
+    wanted: [bool; 8],
+) -> [Option<ChosenLight<'a>>; 8] {
+    let choices = choice.to_array();
+    let one_by_one = |lane: usize| choose_light(ctx, p[lane], Some(normal[lane]), choices[lane]);
+    let Some(tree) = &ctx.scene.light_tree else {
+        return std::array::from_fn(|lane| wanted[lane].then(|| one_by_one(lane)).flatten());
+    };
+    let in_tree = mask_where(|lane| wanted[lane] && choices[lane] < tree.share);
+    let random = choice / f32x8::splat(tree.share);
+    let (leaves, probability) = tree.sample_in_lanes(pack(*p), pack(*normal), random, in_tree);
+    let (in_tree, pmf) = (in_tree.0.to_bitmask(), (probability * f32x8::splat(tree.share)).to_array());
+    std::array::from_fn(|lane| {
+        if in_tree >> lane & 1 == 0 {
+            return wanted[lane].then(|| one_by_one(lane)).flatten();
+        }
+        let shape = &ctx.scene.lights[tree.first + leaves[lane]].shape;
+        (pmf[lane] > 0.0).then(|| ChosenLight { shape, pmf: pmf[lane], inverse_pmf: 1.0 / pmf[lane] })
+    })
 }
 
 /// Samples a direction from each point to its light. Lanes without a light have no sample.

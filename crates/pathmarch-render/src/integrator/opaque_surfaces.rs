@@ -3,8 +3,7 @@
 //! They are most surfaces of most scenes. What [`path`](super::path) does for surfaces of any material is done here for
 //! materials whose BSDF has functions [in lanes](pathmarch_scene::materials::Bsdf::in_lanes): Lambertian surfaces and metal.
 
-use super::light_sampling::{ChosenLight, choose_light};
-use super::light_sampling_lanes::{sample_directions, sample_weights};
+use super::light_sampling_lanes::{choose_lights, sample_directions, sample_weights};
 use super::path_state::{Path, ROULETTE_DEPTH, SURVIVAL_FACTOR};
 use super::shadow::ShadowTest;
 use super::surface_samples::SurfaceSamples;
@@ -73,12 +72,7 @@ fn shade<B: BsdfInLanes>(
     let basis = Basis8::new(shading_normal);
     let wo = basis.local_viewer(to_viewer);
 
-    let choices = choice[0].to_array();
-    let lights: [Option<ChosenLight>; 8] = std::array::from_fn(|lane| {
-        (lane < count && samples_lights[lane])
-            .then(|| choose_light(ctx, origins[lane], Some(normals[lane]), choices[lane]))
-            .flatten()
-    });
+    let lights = choose_lights(ctx, &origins, &normals, choice[0], samples_lights);
     let light = sample_directions(ctx, &lights, pack(origins), light);
     let wi = basis.to_local(light.direction);
     let evaluated = B::eval(&parameters, wo, wi);

@@ -20,11 +20,13 @@
 //! nodes, so a node stores no links, only the number of lights in its first half: 64 bytes for two halves. The index of a light is
 //! its way down the tree.
 //!
-//! **Cost.** Two importances for each level. Built in O(n log n).
+//! **Cost.** Two importances for each level, in lanes for eight points at once. Built in O(n log n).
 
 use crate::wgsl::{shared_constants, shared_struct};
 use glam::Vec3;
+use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use std::f32::consts::{FRAC_PI_2, PI};
+use wide::f32x8;
 
 shared_struct! {
     /// Node of the light tree, with its two halves `a` and `b`.
@@ -208,7 +210,7 @@ impl LightTree {
         let (mut node, mut first, mut count, mut probability) = (0, 0, self.count, 1.0f32);
         while count > 1 {
             let count_a = self.nodes[node].count_a as usize;
-            let share_a = self.nodes[node].share_a(p, normal)?;
+            let share_a = self.share_a(node, p, normal)?;
             if random < share_a {
                 random /= share_a;
                 probability *= share_a;
@@ -231,7 +233,7 @@ impl LightTree {
         let (mut node, mut first, mut count, mut probability) = (0, 0, self.count, 1.0f32);
         while count > 1 {
             let count_a = self.nodes[node].count_a as usize;
-            let Some(share_a) = self.nodes[node].share_a(p, normal) else { return 0.0 };
+            let Some(share_a) = self.share_a(node, p, normal) else { return 0.0 };
             if leaf < first + count_a {
                 probability *= share_a;
                 count = count_a;
@@ -260,44 +262,124 @@ shared_constants! {
     const FULL_CONE: f32 = -0.9999;
 }
 
-impl LightNode {
-    /// Probability of half `a`; `None` if neither half lights the point.
-    fn share_a(&self, p: Vec3, normal: Option<Vec3>) -> Option<f32> {
-        let a = importance(Vec3::from(self.centre_a) - p, self.radius_a, Vec3::from(self.axis_a), normal);
-        let b = importance(Vec3::from(self.centre_b) - p, self.radius_b, Vec3::from(self.axis_b), normal);
-        let b = b * self.intensity_ratio;
+/// Node with its numbers for one point, or in lanes for eight, each at a node of its own.
+struct Halves<N> {
+    centres: [FieldVec3<N>; 2],
+    radii: [N; 2],
+    /// See [`LightNode`]; not read without lights that face one side.
+    axes: [FieldVec3<N>; 2],
+    intensity_ratio: N,
+}
+
+impl<N: Real> Halves<N> {
+    /// Halves of a node, from its 16 numbers.
+    fn new(numbers: [N; 16]) -> Self {
+        let [ax, ay, az, radius_a, bx, by, bz, radius_b, i, j, k, intensity_ratio, l, m, n, _] = numbers;
+        Self {
+            centres: [FieldVec3::new(ax, ay, az), FieldVec3::new(bx, by, bz)],
+            radii: [radius_a, radius_b],
+            axes: [FieldVec3::new(i, j, k), FieldVec3::new(l, m, n)],
+            intensity_ratio,
+        }
+    }
+
+    /// Importances of both halves at a point. The normal is `None` for a point that is lit from all sides.
+    #[inline(always)]
+    fn importances(self, p: FieldVec3<N>, normal: Option<FieldVec3<N>>, has_facing_lights: bool) -> [N; 2] {
+        let Self { centres: [centre_a, centre_b], radii, axes, intensity_ratio } = self;
+        let axes = axes.map(|axis| has_facing_lights.then_some(axis));
+        let a = importance(centre_a - p, radii[0], axes[0], normal);
+        let b = importance(centre_b - p, radii[1], axes[1], normal);
+        [a, b * intensity_ratio]
+    }
+}
+
+impl LightTree {
+    /// Probability of half `a` of a node; `None` if neither half lights the point.
+    fn share_a(&self, node: usize, p: Vec3, normal: Option<Vec3>) -> Option<f32> {
+        let halves = Halves::new(bytemuck::cast(self.nodes[node]));
+        let [a, b] = halves.importances(p.into(), normal.map(FieldVec3::from), self.has_facing_lights);
         (a + b > 0.0).then(|| a / (a + b))
+    }
+
+    /// Nodes of eight lanes, and the number of lights in half `a` of each.
+    #[inline(always)]
+    fn halves_in_lanes(&self, nodes: [u32; 8]) -> (Halves<f32x8>, f32x8) {
+        let rows: [[[f32; 8]; 2]; 8] = nodes.map(|node| bytemuck::cast(self.nodes[node as usize]));
+        let [first, second] = [0, 1].map(|half| f32x8::transpose(rows.map(|row| f32x8::from(row[half]))));
+        let numbers = std::array::from_fn(|k| if k < 8 { first[k] } else { second[k - 8] });
+        (Halves::new(numbers), second[7])
+    }
+
+    /// Chooses a light for each of eight points as [`sample`](Self::sample) does, for surfaces that are lit on one side. Returns
+    /// the indices of the leaves, and their probabilities, which are 0 where no light can contribute and where `active` is not
+    /// set.
+    pub(crate) fn sample_in_lanes(
+        &self,
+        p: FieldVec3<f32x8>,
+        normal: FieldVec3<f32x8>,
+        mut random: f32x8,
+        active: Mask8,
+    ) -> ([usize; 8], f32x8) {
+        let (zero, one) = (f32x8::ZERO, f32x8::ONE);
+        // Whole numbers below 2^24, exact in `f32`.
+        let (mut node, mut first, mut count) = (zero, zero, f32x8::splat(self.count as f32));
+        let mut probability = Real::select(active, one, zero);
+        loop {
+            let walks = Mask8(count.simd_gt(one)) & Mask8(probability.simd_gt(zero));
+            if walks.0.to_bitmask() == 0 {
+                break;
+            }
+            // Lanes at their end read some node.
+            let within = node.fast_min(f32x8::splat(self.nodes.len() as f32 - 1.0));
+            let (halves, count_a) = self.halves_in_lanes(within.to_array().map(|node| node as u32));
+            let [a, b] = halves.importances(p, Some(normal), self.has_facing_lights);
+            let sum = a + b;
+            let is_lit = Mask8(sum.simd_gt(zero));
+            let share_a = a / Real::select(is_lit, sum, one);
+            let takes_a = Mask8(random.simd_lt(share_a));
+            let share = Real::select(takes_a, share_a, one - share_a);
+            let rest = Real::select(takes_a, random, random - share_a) / share;
+            let step = |a: f32x8, b: f32x8| Real::select(takes_a, a, b);
+            let walk = |new: f32x8, old: f32x8| Real::select(walks, new, old);
+            random = walk(rest.fast_min(f32x8::splat(ONE_MINUS_EPSILON)), random);
+            probability = walk(Real::select(is_lit, probability * share, zero), probability);
+            first = walk(step(first, first + count_a), first);
+            node = walk(node + step(one, count_a), node);
+            count = walk(step(count_a, count - count_a), count);
+        }
+        (first.to_array().map(|leaf| leaf as usize), probability)
     }
 }
 
 /// Estimate of the irradiance by lights of unit intensity in a sphere with its centre at `offset`; zero only if none arrives.
-/// `axis` is that of a [`LightNode`].
-fn importance(offset: Vec3, radius: f32, axis: Vec3, normal: Option<Vec3>) -> f32 {
-    let square = offset.length_squared();
-    let inverse = 1.0 / (square + SOFTENING * radius * radius).max(MIN_SQUARE).sqrt();
+/// `axis` is that of a [`LightNode`], `None` if all lights emit in all directions.
+#[inline(always)]
+fn importance<N: Real>(offset: FieldVec3<N>, radius: N, axis: Option<FieldVec3<N>>, normal: Option<FieldVec3<N>>) -> N {
+    let square = offset.dot(offset);
+    let inverse = N::one() / (square + N::constant(SOFTENING) * radius * radius).max(N::constant(MIN_SQUARE)).sqrt();
     let mut value = inverse * inverse;
     if let Some(normal) = normal {
-        value *= mean_height(normal.dot(offset), radius) * inverse;
+        value = value * (mean_height(normal.dot(offset), radius) * inverse);
     }
-    if axis.length_squared() > (2.0 + FULL_CONE) * (2.0 + FULL_CONE) {
+    if let Some(axis) = axis {
         let length = axis.length();
-        let cos_cone = (length - 2.0).min(1.0);
+        let cos_cone = (length - N::constant(2.0)).min(N::one());
         let (height, distance) = (-axis.dot(offset) / length, square.sqrt());
+        let across = (square - height * height).max(N::zero()).sqrt();
+        let beside_cone = height * cos_cone + across * (N::one() - cos_cone * cos_cone).max(N::zero()).sqrt();
         // Along the normal of the cone that faces the point most.
-        let facing_height = if height >= distance * cos_cone {
-            distance
-        } else {
-            let across = (square - height * height).max(0.0).sqrt();
-            height * cos_cone + across * (1.0 - cos_cone * cos_cone).max(0.0).sqrt()
-        };
-        value *= mean_height(facing_height, radius) * inverse;
+        let facing_height = N::select(height.lt(distance * cos_cone), beside_cone, distance);
+        let facing = mean_height(facing_height, radius) * inverse;
+        value = value * N::select(N::constant(FULL_CONE).lt(cos_cone), facing, N::one());
     }
     value
 }
 
 /// Mean height above a plane of the parts of a sphere that are above it, roughly; zero if none is. `height` is that of its centre.
-fn mean_height(height: f32, radius: f32) -> f32 {
-    height.max(HORIZON_SHARE * (height + radius)).max(0.0)
+#[inline(always)]
+fn mean_height<N: Real>(height: N, radius: N) -> N {
+    height.max(N::constant(HORIZON_SHARE) * (height + radius)).max(N::zero())
 }
 
 /// Appends the subtree of these lights and sorts them into the order of its leaves. Returns their bounds.
