@@ -55,12 +55,15 @@ impl Batch for f32 {
     type Seeds = u32;
     const LANES: usize = 1;
     upcasts!();
+    #[inline(always)]
     fn any(mask: bool) -> bool {
         mask
     }
+    #[inline(always)]
     fn lanes(self) -> [f32; 8] {
         [self; 8]
     }
+    #[inline(always)]
     fn from_lanes(lanes: [f32; 8]) -> f32 {
         lanes[0]
     }
@@ -76,12 +79,15 @@ impl Batch for f32x8 {
     type Seeds = [u32; 8];
     const LANES: usize = 8;
     upcasts!();
+    #[inline(always)]
     fn any(mask: Mask8) -> bool {
         mask.0.to_bitmask() != 0
     }
+    #[inline(always)]
     fn lanes(self) -> [f32; 8] {
         self.to_array()
     }
+    #[inline(always)]
     fn from_lanes(lanes: [f32; 8]) -> f32x8 {
         f32x8::from(lanes)
     }

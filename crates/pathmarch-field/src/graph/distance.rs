@@ -80,7 +80,12 @@ impl Field {
     /// First analytic hit of each ray: metres along the unit vector `direction`, or [`T_MAX`]; and the index of the leaf, or
     /// [`SPHERE_TRACED`] if there is none.
     pub fn analytic_hit<N: Batch>(&self, origin: Vec3<N>, direction: Vec3<N>) -> (N, N) {
-        let mut hit = (N::constant(T_MAX), N::constant(SPHERE_TRACED));
+        self.analytic_hit_before(N::constant(T_MAX), origin, direction)
+    }
+
+    /// [`analytic_hit`](Self::analytic_hit) at less than this distance along each ray, metres; that distance if there is none.
+    pub fn analytic_hit_before<N: Batch>(&self, limit: N, origin: Vec3<N>, direction: Vec3<N>) -> (N, N) {
+        let mut hit = (limit, N::constant(SPHERE_TRACED));
         for object in self.analytic_objects() {
             hit = self.object_hit(object, origin, direction, hit);
         }

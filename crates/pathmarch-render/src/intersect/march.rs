@@ -80,8 +80,8 @@ struct Interval {
 
 /// Intersects eight rays with the analytic shapes and with the bounds of the sphere-traced ones.
 fn intervals(field: &Field, frame: &FrameUniforms, rays: &Rays8) -> [Interval; 8] {
-    let (analytic, leaf) = field.analytic_hit(rays.origin, rays.direction);
     let t_max = rays.limit.fast_min(f32x8::splat(frame.far));
+    let (analytic, leaf) = field.analytic_hit_before(t_max, rays.origin, rays.direction);
     let (mut start, mut end) = (f32x8::ZERO, analytic.fast_min(t_max));
     let [min, max] = [frame.bounds_min, frame.bounds_max];
     if (0..3).any(|axis| min[axis] > max[axis]) {
