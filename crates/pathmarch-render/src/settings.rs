@@ -13,6 +13,9 @@ pub const MAX_BOUNCES: u32 = settings::BOUNCES.1;
 /// Largest number of paths that share a camera ray.
 pub const MAX_SPLITTING: u32 = 8;
 
+/// Largest number of light samples at the first surface of a path.
+pub const MAX_LIGHT_SAMPLES: u32 = 8;
+
 /// Settings of one picture. On one adapter, a picture is a pure function of the scene and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -49,6 +52,9 @@ pub struct Settings {
     /// Number of paths that share a camera ray, from 1 to [`MAX_SPLITTING`]; `None` for the number that converges soonest. All
     /// are unbiased. Applies to [`Mode::Path`].
     pub splitting: Option<u32>,
+    /// Number of light samples at the first surface of a path, from 1 to [`MAX_LIGHT_SAMPLES`]; `None` for the number that converges
+    /// soonest. All are unbiased. Applies to [`Mode::Path`], to scenes without fog, media and priorities.
+    pub light_samples: Option<u32>,
     /// Whether pixels share the light that their paths find at second surfaces; `None` where the picture then converges
     /// sooner. Unbiased. Applies to [`Mode::Path`] without `crop` and `clamp`, to scenes without media, bump maps and traced or
     /// fast caustics; on software adapters that end loops, only to fields without loops.
@@ -111,6 +117,12 @@ impl Settings {
                 self.splitting.unwrap_or_default()
             ));
         }
+        if self.light_samples.is_some_and(|samples| !(1..=MAX_LIGHT_SAMPLES).contains(&samples)) {
+            return fail(format!(
+                "there are {} light samples; there must be from 1 to {MAX_LIGHT_SAMPLES}",
+                self.light_samples.unwrap_or_default()
+            ));
+        }
         if self.viewpoint.is_none() && self.camera >= scene.cameras.len() {
             return fail(format!("there is no camera of index {}; the scene has {}", self.camera, scene.cameras.len()));
         }
@@ -138,6 +150,7 @@ impl From<&RenderSettings> for Settings {
             mode: Mode::Path,
             preview_steps: PreviewSteps::default(),
             splitting: None,
+            light_samples: None,
             path_reuse: None,
             emitter_edges: None,
             crop: None,

@@ -14,6 +14,7 @@ mod examples;
 mod glass;
 mod images;
 mod light;
+mod light_samples;
 mod live;
 mod long_paths;
 mod many_lights;
@@ -48,6 +49,7 @@ fn main() {
         glass::tests(),
         images::tests(),
         light::tests(),
+        light_samples::tests(),
         live::tests(),
         many_lights::tests(),
         long_paths::tests(),

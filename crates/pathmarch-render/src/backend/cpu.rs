@@ -110,6 +110,11 @@ impl CpuJob {
         self.input.config.splitting
     }
 
+    /// Number of light samples at the first surface of a path.
+    pub(crate) fn light_samples(&self) -> u32 {
+        self.input.config.light_samples
+    }
+
     /// True if pixels share light.
     pub(crate) fn reuses_paths(&self) -> bool {
         self.input.config.path_reuse

@@ -5,7 +5,7 @@ use crate::integrator::guides::Guide;
 use crate::integrator::photons;
 use crate::integrator::photons::emission::Emission;
 use crate::integrator::splitting::camera_ray_index;
-use crate::integrator::{moments, path, path_reuse_choice, splitting_choice};
+use crate::integrator::{light_samples_choice, moments, path, path_reuse_choice, splitting_choice};
 use crate::mode::Mode;
 use crate::preview::{self, Preview};
 use crate::ray_stats::RayCounters;
@@ -122,6 +122,16 @@ impl RenderInput {
                 let cost = if on_software_gpu { path_reuse_choice::SOFTWARE_CONNECTION_COST } else { 1.0 };
                 path_reuse_choice::pays(&self.scene, &self.frame, &self.config, samples, cost)
             });
+    }
+
+    /// Chooses the number of light samples at first surfaces such that the picture converges soonest; `in_lanes` in a kernel
+    /// that may split.
+    pub(crate) fn choose_light_samples(&mut self, settings: &Settings, samples: u32, in_lanes: bool) {
+        if self.mode == Mode::Path && !self.config.media && !self.wants_guides {
+            self.config.light_samples = settings.light_samples.unwrap_or_else(|| {
+                light_samples_choice::best_light_samples(&self.scene, &self.frame, &self.config, samples, in_lanes)
+            });
+        }
     }
 
     /// Traces further camera rays at the edges of emitters if the settings ask for it, or if the picture has enough `samples`

@@ -54,6 +54,17 @@ impl ChosenLight<'_> {
     }
 }
 
+/// Random numbers of light sample `k` of `count` at a surface: for the choice, each in a stratum of its own, and for the position.
+#[inline(always)]
+pub(super) fn nth_light_sample<N: Real>(k: u32, count: u32, choice: N, [x, y]: [N; 2]) -> (N, [N; 2]) {
+    let shifted = |number: N, step: f32| {
+        let shifted = number + N::constant((k as f32 * step).fract());
+        shifted - shifted.floor()
+    };
+    let choice = (choice + N::constant(k as f32)) * N::constant(1.0 / count as f32);
+    (choice.min(N::constant(MAX_CHOICE)), [shifted(x, LIGHT_STEP_X), shifted(y, LIGHT_STEP_Y)])
+}
+
 /// Chooses a light for a point with a uniform number. `normal` is the unit normal of a surface that is lit on this side only;
 /// `None` for surfaces that transmit and for points in a medium. Returns `None` if no light contributes.
 #[inline]
@@ -187,6 +198,11 @@ shared_constants! {
     /// Length of a shadow ray divided by the distance of the light's surface, so that the ray does not hit the light
     /// itself.
     pub(super) const SHADOW_RAY_SHARE: f32 = 0.9999;
+    /// Step of the position on a light from one light sample of a surface to the next (the R2 sequence; Roberts 2018).
+    const LIGHT_STEP_X: f32 = 0.754_877_7;
+    const LIGHT_STEP_Y: f32 = 0.569_840_3;
+    /// Largest number below one.
+    const MAX_CHOICE: f32 = 1.0 - 0.5 * f32::EPSILON;
 }
 
 /// Samples a direction from `p` in the cone that a sphere subtends. Returns it, 1 - cosine of the cone's half angle,

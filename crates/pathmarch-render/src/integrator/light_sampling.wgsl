@@ -1,6 +1,16 @@
 // import: sampling/basis, integrator/light_weights, integrator/sky, light_choice, mesh_lights
 // Light sampling. Twin of light_sampling.rs, which explains it.
 
+/// Number for the choice of light sample `k` of `count` at a surface, in a stratum of its own.
+fn nth_light_choice(k: u32, count: u32, choice: f32) -> f32 {
+    return min((choice + f32(k)) * (1.0 / f32(count)), MAX_CHOICE);
+}
+
+/// Position on the light of light sample `k` at a surface.
+fn nth_position(k: u32, position: vec2f) -> vec2f {
+    return fract(position + fract(f32(k) * vec2f(LIGHT_STEP_X, LIGHT_STEP_Y)));
+}
+
 /// Sample of a light, before visibility.
 struct LightSample {
     /// Unit vector towards the light, in world space.

@@ -7,6 +7,7 @@
 pub(crate) mod camera;
 pub(crate) mod emitter_edges;
 pub(crate) mod guides;
+pub(crate) mod light_samples_choice;
 pub(crate) mod light_sampling;
 mod light_sampling_lanes;
 pub(crate) mod media_segment;

@@ -3,6 +3,7 @@
 //! They are most surfaces of most scenes. What [`path`](super::path) does for surfaces of any material is done here for
 //! materials whose BSDF has functions [in lanes](pathmarch_scene::materials::Bsdf::in_lanes): Lambertian surfaces and metal.
 
+use super::light_sampling::nth_light_sample;
 use super::light_sampling_lanes::{choose_lights, sample_directions, sample_weights};
 use super::path_state::{Path, ROULETTE_DEPTH, SURVIVAL_FACTOR};
 use super::shadow::ShadowTest;
@@ -72,33 +73,38 @@ fn shade<B: BsdfInLanes>(
     let basis = Basis8::new(shading_normal);
     let wo = basis.local_viewer(to_viewer);
 
-    let lights = choose_lights(ctx, &origins, &normals, choice[0], samples_lights);
-    let light = sample_directions(ctx, &lights, pack(origins), light);
-    let wi = basis.to_local(light.direction);
-    let evaluated = B::eval(&parameters, wo, wi);
-    let radiance = throughput.times(evaluated.value).times(light.irradiance);
-    let is_lit = light.exist
-        & !crosses_surface(light.direction)
-        & Mask8(wi.z.simd_gt(f32x8::ZERO))
-        & Mask8(evaluated.value.largest().simd_gt(f32x8::ZERO));
-    let lit = is_lit.0.to_bitmask();
-    let weight = sample_weights(ctx.config.direct_lighting, light.pdf, evaluated.pdf).to_array();
-    let (directions, radiance, distance) = (unpack(light.direction), unpack(radiance), light.distance.to_array());
-    for (lane, (chosen, (index, _))) in lights.iter().zip(surfaces).enumerate() {
-        let Some(chosen) = chosen.as_ref().filter(|_| lit >> lane & 1 == 1) else { continue };
-        let path = &paths[*index];
-        shadow_tests.push(ShadowTest {
-            slot: path.slot,
-            radiance: radiance[lane],
-            weight: weight[lane],
-            ray: Ray { origin: origins[lane], direction: directions[lane] },
-            distance: distance[lane],
-            target: chosen.target(),
-            penumbra: chosen.shape.penumbra(),
-            path_length: path.length,
-            medium: path.medium,
-            sampler: path.sampler,
-        });
+    let light_samples = ctx.light_samples(surface_index);
+    let share = f32x8::splat(1.0 / light_samples as f32);
+    for sample in 0..light_samples {
+        let (choice, position) = nth_light_sample(sample, light_samples, choice[0], light);
+        let lights = choose_lights(ctx, &origins, &normals, choice, samples_lights);
+        let light = sample_directions(ctx, &lights, pack(origins), position);
+        let wi = basis.to_local(light.direction);
+        let evaluated = B::eval(&parameters, wo, wi);
+        let radiance = throughput.times(evaluated.value).times(light.irradiance) * share;
+        let is_lit = light.exist
+            & !crosses_surface(light.direction)
+            & Mask8(wi.z.simd_gt(f32x8::ZERO))
+            & Mask8(evaluated.value.largest().simd_gt(f32x8::ZERO));
+        let lit = is_lit.0.to_bitmask();
+        let weight = sample_weights(ctx.config.direct_lighting, light.pdf, evaluated.pdf).to_array();
+        let (directions, radiance, distance) = (unpack(light.direction), unpack(radiance), light.distance.to_array());
+        for (lane, (chosen, (index, _))) in lights.iter().zip(surfaces).enumerate() {
+            let Some(chosen) = chosen.as_ref().filter(|_| lit >> lane & 1 == 1) else { continue };
+            let path = &paths[*index];
+            shadow_tests.push(ShadowTest {
+                slot: path.slot,
+                radiance: radiance[lane],
+                weight: weight[lane],
+                ray: Ray { origin: origins[lane], direction: directions[lane] },
+                distance: distance[lane],
+                target: chosen.target(),
+                penumbra: chosen.shape.penumbra(),
+                path_length: path.length,
+                medium: path.medium,
+                sampler: path.sampler,
+            });
+        }
     }
 
     let scattered = B::sample(&parameters, wo, scatter);

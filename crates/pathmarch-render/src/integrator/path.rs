@@ -22,7 +22,7 @@
 
 use super::camera::{camera_rays, pixel_sampler};
 use super::guides::{Guide, GuideRecorder};
-use super::light_sampling;
+use super::light_sampling::{self, nth_light_sample};
 use super::media_segment::{self, Vertex};
 use super::medium::transmittance;
 use super::nested_dielectrics::refracting_parameters;
@@ -370,22 +370,27 @@ fn shade(
         let (vertex, normal) = (path.previous_vertex, path.previous_normal);
         // Photons have already contributed the others.
         let is_needed = |shape| !(focuses && path.met_photons && ctx.scene.starts_light_paths(shape));
-        if let Some(chosen) = light_sampling::choose_light(ctx, vertex, normal, light_choice)
-            && is_needed(chosen.shape)
-            && let Some(light) = light_sampling::sample_direction(ctx, &chosen, vertex, samples.light)
-        {
+        let light_samples = ctx.light_samples(surface_index);
+        for sample in 0..light_samples {
+            let (choice, position) = nth_light_sample(sample, light_samples, light_choice, samples.light);
+            let Some(chosen) = light_sampling::choose_light(ctx, vertex, normal, choice) else { continue };
+            if !is_needed(chosen.shape) {
+                continue;
+            }
+            let Some(light) = light_sampling::sample_direction(ctx, &chosen, vertex, position) else { continue };
             let wi = local_from_world * light.direction;
             let is_transmission = wi.z < 0.0;
-            if (wi.z > 0.0 || transmits) && !crosses_surface(wi, light.direction) {
-                let evaluated = (bsdf.eval)(parameters, wo, wi, inside);
-                if evaluated.value.max_element() > 0.0 {
-                    let radiance = path.throughput * evaluated.value * light.irradiance;
-                    let origin = p + if is_transmission { -normal_offset } else { normal_offset };
-                    shadow_tests.push(ShadowTest {
-                        medium: if is_transmission { medium_beyond_surface(&path.medium) } else { path.medium },
-                        ..ShadowTest::new(ctx, path, origin, &light, (radiance, evaluated.pdf))
-                    });
-                }
+            if !(wi.z > 0.0 || transmits) || crosses_surface(wi, light.direction) {
+                continue;
+            }
+            let evaluated = (bsdf.eval)(parameters, wo, wi, inside);
+            if evaluated.value.max_element() > 0.0 {
+                let radiance = path.throughput * evaluated.value * light.irradiance / light_samples as f32;
+                let origin = p + if is_transmission { -normal_offset } else { normal_offset };
+                shadow_tests.push(ShadowTest {
+                    medium: if is_transmission { medium_beyond_surface(&path.medium) } else { path.medium },
+                    ..ShadowTest::new(ctx, path, origin, &light, (radiance, evaluated.pdf))
+                });
             }
         }
     }

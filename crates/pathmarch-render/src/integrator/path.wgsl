@@ -79,27 +79,32 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
         (*path).previous_vertex = select(spawn_origin(interaction, false), interaction.p, transmits);
         (*path).previous_normal = select(ns, vec3f(0.0), transmits);
         let position = sample_2d((*path).sampler, pair + PAIR_LIGHT);
-        let chosen = chosen_light((*path).previous_vertex, (*path).previous_normal, choice.x);
-        let light = sample_direction(chosen, (*path).previous_vertex, position);
-        // Photons have already contributed it.
-        let counted = focuses && (*path).met_photons && starts_light_paths(chosen);
-        let wi = light.direction * world_from_local;
-        let is_transmission = wi.z < 0.0;
-        let crosses_surface = SHADING_NORMALS && is_transmission != (dot(light.direction, interaction.normal) < 0.0);
-        if (wi.z > 0.0 || transmits) && !crosses_surface && !counted && largest(light.irradiance) > 0.0 {
-            let evaluated = bsdf_eval(materials[m].kind, m, wo, wi, interaction.inside);
-            if largest(evaluated.xyz) > 0.0 {
-                let attenuation = light_transmittance(
-                    Ray(spawn_origin(interaction, is_transmission), light.direction),
-                    (*path).length,
-                    light,
-                    evaluated.w,
-                    chosen_medium((*path).medium, medium_beyond_surface, is_transmission),
-                    unstratified_seed((*path).sampler, surface_index),
-                );
-                let sampled = clamped((*path).throughput * evaluated.xyz * light.irradiance * attenuation, surface_index);
-                (*path).radiance += sampled;
-                record_light_sample(m, wo, wi, interaction.inside, light.distance, sampled);
+        let light_samples = select(1u, LIGHT_SAMPLES, surface_index == 0u);
+        for (var k = 0u; k < light_samples; k++) {
+            let number = nth_light_choice(k, light_samples, choice.x);
+            let chosen = chosen_light((*path).previous_vertex, (*path).previous_normal, number);
+            let light = sample_direction(chosen, (*path).previous_vertex, nth_position(k, position));
+            // Photons have already contributed it.
+            let counted = focuses && (*path).met_photons && starts_light_paths(chosen);
+            let wi = light.direction * world_from_local;
+            let is_transmission = wi.z < 0.0;
+            let crosses_surface = SHADING_NORMALS && is_transmission != (dot(light.direction, interaction.normal) < 0.0);
+            if (wi.z > 0.0 || transmits) && !crosses_surface && !counted && largest(light.irradiance) > 0.0 {
+                let evaluated = bsdf_eval(materials[m].kind, m, wo, wi, interaction.inside);
+                if largest(evaluated.xyz) > 0.0 {
+                    let attenuation = light_transmittance(
+                        Ray(spawn_origin(interaction, is_transmission), light.direction),
+                        (*path).length,
+                        light,
+                        evaluated.w,
+                        chosen_medium((*path).medium, medium_beyond_surface, is_transmission),
+                        unstratified_seed((*path).sampler, surface_index),
+                    );
+                    let unclamped = (*path).throughput * evaluated.xyz * light.irradiance * attenuation;
+                    let sampled = clamped(unclamped, surface_index) / f32(light_samples);
+                    (*path).radiance += sampled;
+                    record_light_sample(m, wo, wi, interaction.inside, light.distance, sampled);
+                }
             }
         }
     }

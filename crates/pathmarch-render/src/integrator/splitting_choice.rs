@@ -22,7 +22,7 @@ use crate::intersect::march::march;
 use crate::intersect::ray::RaySegment;
 use crate::metrics::RELMSE_EPSILON;
 use crate::ray_stats::RayCounters;
-use crate::sampling::sobol::{PixelSampler, hash};
+use crate::sampling::sobol::PixelSampler;
 use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
 use crate::settings::MAX_SPLITTING;
 use glam::Vec3;
@@ -51,23 +51,13 @@ pub(crate) fn best_splitting(
     samples: u32,
     in_lanes: bool,
 ) -> u32 {
-    let [width, height] = frame.size();
     let probe_paths = PROBE_GRID.map(f64::from).iter().product::<f64>() * f64::from(PROBE_RAYS * PROBE_PATHS);
     if probe::path_count(frame, samples) < MIN_PATHS_PER_PROBE_PATH * probe_paths {
         return 1;
     }
     let config = KernelConfig { splitting: PROBE_PATHS, ..*config };
     let frame = probe::frame_of(frame);
-    let pixels: Vec<(u32, u32)> = (0..PROBE_GRID[0] * PROBE_GRID[1])
-        .map(|k| {
-            let jittered = |cell: u32, cells: u32, length: u32, dimension: u32| {
-                let within = f64::from(hash(2 * k + dimension)) / f64::from(u32::MAX);
-                ((f64::from(cell) + within) / f64::from(cells) * f64::from(length)) as u32
-            };
-            let x = jittered(k % PROBE_GRID[0], PROBE_GRID[0], width, 0).min(width - 1);
-            (x, jittered(k / PROBE_GRID[0], PROBE_GRID[1], height, 1).min(height - 1))
-        })
-        .collect();
+    let pixels = probe::pixels(&frame, PROBE_GRID);
     let (ray_counters, path_counters) = (RayCounters::default(), RayCounters::default());
     let context = |stats| TraceContext { scene, frame: &frame, config: &config, stats: Some(stats), photons: None };
     let variances = pixels.par_chunks(PROBE_GRID[0] as usize).map(|pixels| {

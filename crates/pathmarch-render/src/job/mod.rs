@@ -203,6 +203,7 @@ impl Renderer {
             }
         }
         let samples = settings.whole_samples.unwrap_or(settings.samples);
+        input.choose_light_samples(settings, samples, false);
         input.choose_path_reuse(settings, samples, false);
         input.choose_emitter_edges(settings, samples);
         if settings.splitting.is_none() && !input.config.path_reuse {
@@ -227,6 +228,7 @@ fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -
     // Paths that share a camera ray cannot be resumed on adapters that end loops, see backend/gpu/loop_limit.rs.
     let limited = gpu.is_software() && input.scene.field.has_loops();
     let samples = settings.whole_samples.unwrap_or(settings.samples);
+    input.choose_light_samples(settings, samples, !limited);
     if !limited {
         if input.config.splitting <= path_reuse::MAX_SPLITTING {
             input.choose_path_reuse(settings, samples, gpu.is_software());

@@ -153,6 +153,7 @@ impl MotionBlur {
         let settings = Settings {
             first_sample: first,
             samples,
+            light_samples: Some(self.settings.light_samples.unwrap_or(1)),
             path_reuse: Some(false),
             emitter_edges: Some(false),
             ..self.settings.clone()

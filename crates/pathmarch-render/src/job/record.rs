@@ -52,6 +52,15 @@ impl Job {
         }
     }
 
+    /// Number of light samples at the first surface of a path, see
+    /// [`Settings::light_samples`](crate::Settings::light_samples).
+    pub fn light_samples(&self) -> u32 {
+        match &self.work {
+            Work::Still(tracer) => tracer.light_samples(),
+            Work::Moving(_) => self.settings.light_samples.unwrap_or(1),
+        }
+    }
+
     /// True if pixels share light, see [`Settings::path_reuse`](crate::Settings::path_reuse).
     pub fn reuses_paths(&self) -> bool {
         matches!(&self.work, Work::Still(tracer) if tracer.reuses_paths())

@@ -71,6 +71,14 @@ impl Tracer {
         }
     }
 
+    /// Number of light samples at the first surface of a path.
+    pub(crate) fn light_samples(&self) -> u32 {
+        match self {
+            Self::Gpu(job) => job.light_samples(),
+            Self::Cpu(job) => job.light_samples(),
+        }
+    }
+
     /// True if pixels share light.
     pub(crate) fn reuses_paths(&self) -> bool {
         match self {

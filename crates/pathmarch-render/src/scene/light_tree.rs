@@ -469,6 +469,7 @@ fn split(lights: &[LightBounds], order: &mut [u32], depth: u32) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::intersect::ray::{mask_of, pack};
     use crate::sampling::sobol::PixelSampler;
 
     /// Uniform numbers in 0..1, four for each index.
@@ -545,6 +546,34 @@ mod tests {
                 assert!((total - 1.0).abs() < 1e-3, "{count} lights, place {place}: {total}");
                 if normal.is_none() && tree.nodes.iter().all(|node| Vec3::from(node.axis_a).length() < 1.001) {
                     assert_eq!(none, 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn eight_points_walk_as_one() {
+        for count in [1u32, 2, 7, 40] {
+            let all = lights(count);
+            // With and without lights that face one side.
+            let everywhere = all.iter().map(|light| LightBounds { normals: NormalCone::ALL, ..*light }).collect();
+            for lights in [all, everywhere] {
+                let (tree, _) = tree(&lights);
+                for block in 0..40 {
+                    let numbers: [[f32; 4]; 8] = std::array::from_fn(|lane| random(3000 + 8 * block + lane as u32));
+                    let points = numbers.map(|[x, y, z, _]| Vec3::new(x - 0.2, y - 0.2, z - 0.2) * 5.0);
+                    let normals = numbers.map(|[x, .., u]| direction(u, x));
+                    let choices: [f32; 8] = std::array::from_fn(|lane| random(7000 + 8 * block + lane as u32)[0]);
+                    let active = |lane: usize| lane as u32 != block % 9;
+                    let mask = mask_of((0..8).map(|lane| u32::from(active(lane)) << lane).sum());
+                    let (leaves, probabilities) =
+                        tree.sample_in_lanes(pack(points), pack(normals), choices.into(), mask);
+                    for (lane, probability) in probabilities.to_array().into_iter().enumerate() {
+                        let alone = tree.sample(points[lane], Some(normals[lane]), choices[lane]);
+                        let alone = alone.filter(|_| active(lane));
+                        let together = (probability > 0.0).then_some((leaves[lane], probability));
+                        assert_eq!(together, alone, "{count} lights, block {block}, lane {lane}");
+                    }
                 }
             }
         }

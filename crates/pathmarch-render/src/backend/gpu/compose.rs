@@ -229,6 +229,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("DIRECT_LIGHTING", config.direct_lighting as u32),
         ("SAMPLER", input.frame.sampler),
         ("SPLITTING", config.splitting),
+        ("LIGHT_SAMPLES", config.light_samples),
         ("SKY", encode::sky_kind(&scene.sky) as u32),
         ("SKY_DATA", data.sky as u32),
         ("LIGHT_TREE_DATA", data.light_tree as u32),

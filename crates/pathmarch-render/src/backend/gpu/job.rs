@@ -75,6 +75,8 @@ pub(crate) struct GpuJob {
     quota: f64,
     /// Number of paths that share a camera ray: largest number of samples of a dispatch.
     splitting: u32,
+    /// Number of light samples at the first surface of a path.
+    light_samples: u32,
     /// True if pixels share light.
     reuses_paths: bool,
     /// Submissions in flight: index, work and time of submission.
@@ -307,6 +309,7 @@ impl GpuJob {
             target,
             quota: f64::from(BAND * 64),
             splitting: input.config.splitting,
+            light_samples: input.config.light_samples,
             reuses_paths: input.config.path_reuse,
             in_flight: VecDeque::new(),
             last_completion: Instant::now(),
@@ -613,6 +616,11 @@ impl GpuJob {
     /// Takes further samples only in these rectangles. The caller ensures that no sample is half done.
     pub(crate) fn restrict(&mut self, rects: Vec<Rect>) {
         self.active = rects;
+    }
+
+    /// Number of light samples at the first surface of a path.
+    pub(crate) fn light_samples(&self) -> u32 {
+        self.light_samples
     }
 
     /// True if pixels share light.

@@ -15,7 +15,7 @@ use pathmarch_render::image::ImageFormat;
 use pathmarch_render::parts::Rect;
 use pathmarch_render::pathmarch_scene::{Camera, RenderSettings, Scene, settings};
 use pathmarch_render::tonemap::Display;
-use pathmarch_render::{MAX_NOISE, MAX_SPLITTING, MIN_NOISE, Mode, PreviewStep, Settings, Shutter};
+use pathmarch_render::{MAX_LIGHT_SAMPLES, MAX_NOISE, MAX_SPLITTING, MIN_NOISE, Mode, PreviewStep, Settings, Shutter};
 use std::path::{Path, PathBuf};
 
 /// Exposure of a picture.
@@ -81,6 +81,9 @@ pub struct Arguments {
     /// Paths per camera ray, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     pub(super) splitting: Option<u32>,
+    /// Light samples where a path starts, 1 to 8 [default: chosen for the fastest convergence]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_LIGHT_SAMPLES)), allow_hyphen_values = true)]
+    pub(super) light_samples: Option<u32>,
     /// Pixels share light that their paths find: on or off [default: on where the picture then converges sooner]
     #[arg(long, value_name = "on|off", value_parser = parse_switch)]
     pub(super) path_reuse: Option<bool>,
@@ -277,9 +280,18 @@ impl Arguments {
             settings.preview_steps.set(*step, false);
         }
         let (first_sample, seed, splitting, crop) = (self.first_sample, self.seed, self.splitting, self.crop);
-        let (path_reuse, emitter_edges) = (self.path_reuse, self.emitter_edges);
-        let whole =
-            Settings { first_sample, seed, camera, mode, splitting, path_reuse, emitter_edges, crop, ..settings };
+        let whole = Settings {
+            first_sample,
+            seed,
+            camera,
+            mode,
+            splitting,
+            light_samples: self.light_samples,
+            path_reuse: self.path_reuse,
+            emitter_edges: self.emitter_edges,
+            crop,
+            ..settings
+        };
         let Some(range) = self.render.sample_range() else { return Ok(whole) };
         Ok(Settings {
             first_sample: range.start,
@@ -367,6 +379,7 @@ impl Arguments {
                 (self.first_sample > 0, "--first-sample"),
                 (self.render.sample_range().is_some(), "a range of --samples"),
                 (self.splitting.is_some(), "--splitting"),
+                (self.light_samples.is_some(), "--light-samples"),
                 (self.path_reuse.is_some(), "--path-reuse"),
                 (self.emitter_edges.is_some(), "--emitter-edges"),
                 (film, "a .film"),
