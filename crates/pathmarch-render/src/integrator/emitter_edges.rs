@@ -94,6 +94,12 @@ impl EmitterEdges {
         (!pixels.is_empty()).then_some(Self { width, pixels })
     }
 
+    /// These pixels of a picture of this width, in ascending order.
+    #[cfg(test)]
+    pub(crate) fn at(width: u32, pixels: Vec<u32>) -> Self {
+        Self { width, pixels }
+    }
+
     /// Indices of the pixels, row by row, in ascending order.
     pub(crate) fn pixels(&self) -> &[u32] {
         &self.pixels

@@ -7,6 +7,7 @@
 
 use super::KernelSource;
 use crate::backend::RenderInput;
+use crate::integrator::emitter_edges::EmitterEdges;
 use crate::mode::Mode;
 use crate::settings::Settings;
 use naga::back::{glsl, hlsl, msl, spv};
@@ -20,6 +21,7 @@ use std::collections::HashSet;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Arc;
 
 /// Part of a scene that adds code to a kernel.
 struct Feature {
@@ -209,16 +211,25 @@ fn scene_of(features: &[&Feature], path: &str) -> Scene {
     Scene::parse(path, &text).unwrap_or_else(|error| panic!("{names:?}: {error:?}\n{text}"))
 }
 
-/// Kernel source of a scene in a mode. With four paths for each camera ray, pixels share light where that is possible, and
-/// numbers are constants.
-fn kernel(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) -> String {
+/// Kernel sources of a scene in a mode. With four paths for each camera ray, pixels share light where that is possible, and
+/// numbers are constants. Where a path starts alone, there is also a kernel that samples several lights, and one for edges of
+/// emitters.
+fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) -> Vec<String> {
     let settings = Settings { size: [8, 8], mode, splitting, path_reuse: Some(true), ..Settings::of(scene) };
     let mut input = RenderInput::new(scene, &settings).with_guides();
     if splitting == Some(4) {
         input.choose_path_reuse(&settings, settings.samples, software);
         input.config.constant_numbers = true;
     }
-    KernelSource::for_adapter(&input, software).code
+    let mut sources = vec![KernelSource::for_adapter(&input, software).code];
+    if mode == Mode::Path && splitting.unwrap_or(1) == 1 && !input.config.media {
+        let mut input = RenderInput::new(scene, &settings);
+        input.config.light_samples = 4;
+        input.edges = Some(Arc::new(EmitterEdges::at(8, vec![5, 12])));
+        let source = KernelSource::for_adapter(&input, software);
+        sources.extend([Some(source.code), source.edges].into_iter().flatten());
+    }
+    sources
 }
 
 /// Parses and validates a kernel; returns the mistake with its line if it is not valid.
@@ -317,9 +328,10 @@ fn slow_every_scene_of_the_gallery_compiles_in_every_mode() {
         let in_mode = move |mode: Mode| {
             let splits = if mode == Mode::Path { vec![Some(1), Some(2), Some(4)] } else { vec![Some(1)] };
             let named = |(splitting, software)| {
-                (format!("{name} in {}", mode.name()), kernel(&scene, mode, splitting, software))
+                let name = format!("{name} in {}", mode.name());
+                kernels(&scene, mode, splitting, software).into_iter().map(move |code| (name.clone(), code))
             };
-            splits.into_iter().flat_map(|s| [(s, false), (s, true)]).map(named).collect::<Vec<_>>()
+            splits.into_iter().flat_map(|s| [(s, false), (s, true)]).flat_map(named).collect::<Vec<_>>()
         };
         Mode::ALL.into_iter().flat_map(in_mode)
     });
@@ -363,9 +375,11 @@ fn slow_every_pair_of_features_compiles_in_every_mode() {
     let kernels = sets.into_par_iter().enumerate().flat_map_iter(|(number, set)| {
         let scene = scene_of(&set.iter().map(|&feature| &features[feature]).collect::<Vec<_>>(), &path);
         let name = if set.len() == 1 { features[set[0]].name.clone() } else { format!("set {number}: {set:?}") };
-        let in_mode =
-            move |mode: Mode| (format!("{name} in {}", mode.name()), kernel(&scene, mode, None, number % 2 == 0));
-        Mode::ALL.into_iter().map(in_mode).collect::<Vec<_>>()
+        let in_mode = move |mode: Mode| {
+            let name = format!("{name} in {}", mode.name());
+            kernels(&scene, mode, None, number % 2 == 0).into_iter().map(move |code| (name.clone(), code))
+        };
+        Mode::ALL.into_iter().flat_map(in_mode).collect::<Vec<_>>()
     });
     let count = check_all(kernels.collect());
     println!("{count} kernels of {} features", features.len());
