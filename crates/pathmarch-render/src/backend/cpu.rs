@@ -9,7 +9,7 @@ use crate::output::film::Film;
 use crate::output::parts::Rect;
 use crate::output::tonemap::Display;
 use crate::ray_stats::RayCounters;
-use crate::scene::{PhotonMap, TraceContext};
+use crate::scene::{KernelConfig, PhotonMap, TraceContext};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -105,19 +105,9 @@ impl CpuJob {
         std::mem::replace(&mut self.film, empty)
     }
 
-    /// Number of paths that share a camera ray.
-    pub(crate) fn splitting(&self) -> u32 {
-        self.input.config.splitting
-    }
-
-    /// Number of light samples at the first surface of a path.
-    pub(crate) fn light_samples(&self) -> u32 {
-        self.input.config.light_samples
-    }
-
-    /// True if pixels share light.
-    pub(crate) fn reuses_paths(&self) -> bool {
-        self.input.config.path_reuse
+    /// Configuration of its estimator.
+    pub(crate) fn config(&self) -> &KernelConfig {
+        &self.input.config
     }
 
     /// True if edges of emitters have further camera rays.

@@ -28,12 +28,14 @@ use std::ops::Range;
 
 shared_constants! {
     /// Number of further camera rays of each sample.
-    pub(super) const EDGE_RAYS: u32 = 15;
+    const EDGE_RAYS: u32 = 15;
     /// Number of rays of each sample: these, and the path's own.
-    pub(crate) const RAYS_PER_EDGE: u32 = EDGE_RAYS + 1;
+    const RAYS_PER_EDGE: u32 = EDGE_RAYS + 1;
+    /// Number of pixels whose rays a workgroup traces.
+    pub(crate) const EDGES_PER_GROUP: u32 = 64 / RAYS_PER_EDGE;
 }
 
-/// Number of camera rays through a pixel that tell whether the emission in it varies.
+/// Number of camera rays through a pixel near an emitter, to find whether its emission varies.
 const PROBE_RAYS: u32 = 4;
 /// Largest radius of an emitter whose pixels all count as edges, pixels.
 const SMALL_RADIUS: f32 = 1.5;

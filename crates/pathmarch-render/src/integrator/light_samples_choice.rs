@@ -9,11 +9,9 @@
 //!
 //! **Cost.** 18,000 paths on the CPU, for pictures of at least a hundred times as many.
 
-use super::{path, probe};
-use crate::metrics::RELMSE_EPSILON;
+use super::probe::{self, Noise};
 use crate::ray_stats::RayCounters;
 use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
-use glam::Vec3;
 use rayon::prelude::*;
 
 /// Columns and rows of probed pixels.
@@ -29,8 +27,6 @@ const MIN_GAIN: f64 = 0.05;
 /// Cost of a light sample more in a kernel whose lanes take a new path when theirs has ended, in those on the CPU: where
 /// lanes are at different surfaces, all wait for those at the first. On llvmpipe 5 to 6.
 const COST_IN_LANES: f64 = 6.0;
-/// Largest variance of a pixel, relative to the square of its mean, so that none dominates.
-const MAX_VARIANCE: f64 = 10.0;
 
 /// Best number of light samples at the first surface of each path, in a picture with `samples` samples a pixel. With
 /// `in_lanes`, lanes of a kernel take new paths, see [`splitting`](super::splitting).
@@ -51,9 +47,9 @@ pub(crate) fn best_light_samples(
         let config = KernelConfig { light_samples, splitting: 1, path_reuse: false, ..*config };
         let counters = RayCounters::default();
         let ctx = TraceContext { scene, frame: &frame, config: &config, stats: Some(&counters), photons: None };
-        let variance: f64 =
-            pixels.par_chunks(PROBE_GRID[0] as usize).map(|pixels| relative_variance(&ctx, pixels)).sum();
-        (variance, probe::cost(&counters))
+        let rows = pixels.par_chunks(PROBE_GRID[0] as usize);
+        let noise: Vec<Noise> = rows.flat_map_iter(|row| probe::noise(&ctx, row, PROBE_SAMPLES)).collect();
+        (probe::own_variance(&noise), probe::cost(&counters))
     };
     let tried = CANDIDATES.map(variance_and_cost);
     let least_cost = tried[0].1;
@@ -61,22 +57,4 @@ pub(crate) fn best_light_samples(
     let errors = tried.map(|(variance, cost)| variance * (least_cost + cost_of_more * (cost - least_cost)));
     let better = |best: usize, k: usize| if errors[k] < (1.0 - MIN_GAIN) * errors[best] { k } else { best };
     CANDIDATES[(0..CANDIDATES.len()).fold(0, better)]
-}
-
-/// Variance of the samples of each pixel relative to the square of its mean, as in relMSE, summed.
-fn relative_variance(ctx: &TraceContext, pixels: &[(u32, u32)]) -> f64 {
-    let values: Vec<Vec<Vec3>> = (0..PROBE_SAMPLES).map(|sample| path::trace(ctx, pixels, sample, 1)).collect();
-    let of_pixel = |pixel: usize, channel: usize| {
-        let samples = || values.iter().map(|sample| f64::from(sample[pixel][channel]));
-        let count = f64::from(PROBE_SAMPLES);
-        let mean = samples().sum::<f64>() / count;
-        let variance = samples().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        variance / (mean * mean + RELMSE_EPSILON)
-    };
-    let all = (0..pixels.len()).flat_map(|pixel| (0..3).map(move |channel| (pixel, channel)));
-    // Ignore values that are not finite.
-    all.map(|(pixel, channel)| of_pixel(pixel, channel))
-        .filter(|value| value.is_finite())
-        .map(|value| value.min(MAX_VARIANCE))
-        .sum()
 }

@@ -10,6 +10,7 @@
 //! its bounding sphere, so that the shadow ray may miss it. BSDF sampling hits the same lights; the power heuristic weights both strategies
 //! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
+use crate::sampling::ONE_MINUS_EPSILON;
 use crate::sampling::basis::basis;
 use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight, TrianglesLight};
 use crate::scene::mesh_light::PointOnMesh;
@@ -62,7 +63,7 @@ pub(super) fn nth_light_sample<N: Real>(k: u32, count: u32, choice: N, [x, y]: [
         shifted - shifted.floor()
     };
     let choice = (choice + N::constant(k as f32)) * N::constant(1.0 / count as f32);
-    (choice.min(N::constant(MAX_CHOICE)), [shifted(x, LIGHT_STEP_X), shifted(y, LIGHT_STEP_Y)])
+    (choice.min(N::constant(ONE_MINUS_EPSILON)), [shifted(x, LIGHT_STEP_X), shifted(y, LIGHT_STEP_Y)])
 }
 
 /// Chooses a light for a point with a uniform number. `normal` is the unit normal of a surface that is lit on this side only;
@@ -201,8 +202,6 @@ shared_constants! {
     /// Step of the position on a light from one light sample of a surface to the next (the R2 sequence; Roberts 2018).
     const LIGHT_STEP_X: f32 = 0.754_877_7;
     const LIGHT_STEP_Y: f32 = 0.569_840_3;
-    /// Largest number below one.
-    const MAX_CHOICE: f32 = 1.0 - 0.5 * f32::EPSILON;
 }
 
 /// Samples a direction from `p` in the cone that a sphere subtends. Returns it, 1 - cosine of the cone's half angle,

@@ -3,7 +3,7 @@
 
 /// Number for the choice of light sample `k` of `count` at a surface, in a stratum of its own.
 fn nth_light_choice(k: u32, count: u32, choice: f32) -> f32 {
-    return min((choice + f32(k)) * (1.0 / f32(count)), MAX_CHOICE);
+    return min((choice + f32(k)) * (1.0 / f32(count)), ONE_MINUS_EPSILON);
 }
 
 /// Position on the light of light sample `k` at a surface.

@@ -81,9 +81,10 @@ pub(super) fn choose_lights<'a>(
     wanted: [bool; 8],
 ) -> [Option<ChosenLight<'a>>; 8] {
     let choices = choice.to_array();
-    let one_by_one = |lane: usize| choose_light(ctx, p[lane], Some(normal[lane]), choices[lane]);
+    let alone =
+        |lane: usize| wanted[lane].then(|| choose_light(ctx, p[lane], Some(normal[lane]), choices[lane])).flatten();
     let Some(tree) = &ctx.scene.light_tree else {
-        return std::array::from_fn(|lane| wanted[lane].then(|| one_by_one(lane)).flatten());
+        return std::array::from_fn(alone);
     };
     let in_tree = mask_where(|lane| wanted[lane] && choices[lane] < tree.share);
     let random = choice / f32x8::splat(tree.share);
@@ -91,7 +92,7 @@ pub(super) fn choose_lights<'a>(
     let (in_tree, pmf) = (in_tree.0.to_bitmask(), (probability * f32x8::splat(tree.share)).to_array());
     std::array::from_fn(|lane| {
         if in_tree >> lane & 1 == 0 {
-            return wanted[lane].then(|| one_by_one(lane)).flatten();
+            return alone(lane);
         }
         let shape = &ctx.scene.lights[tree.first + leaves[lane]].shape;
         (pmf[lane] > 0.0).then(|| ChosenLight { shape, pmf: pmf[lane], inverse_pmf: 1.0 / pmf[lane] })

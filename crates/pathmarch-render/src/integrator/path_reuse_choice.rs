@@ -8,12 +8,11 @@
 //! **Cost.** 25,000 paths on the CPU, for pictures of at least a hundred times as many.
 
 use super::path_reuse::GROUP;
-use super::{path, probe};
-use crate::metrics::RELMSE_EPSILON;
+use super::probe::{self, Noise};
 use crate::ray_stats::RayCounters;
 use crate::scene::material::LAMBERTIAN;
 use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Columns and rows of tiles that a probe renders.
@@ -24,8 +23,6 @@ const PROBE_SAMPLES: u32 = 6;
 const MIN_PATHS_PER_PROBE_PATH: f64 = 100.0;
 /// Smallest relative reduction of the error that justifies sharing, because the noise of neighbours is related.
 const MIN_GAIN: f64 = 0.2;
-/// Largest variance of a pixel of the probe, relative to its own mean, so that none dominates.
-const MAX_VARIANCE: f64 = 10.0;
 /// Largest variance of a pixel of the probe, relative to the radiance around it.
 const MAX_RARE_VARIANCE: f64 = 3000.0;
 
@@ -65,8 +62,10 @@ pub(crate) fn pays(
         .map(|tile| {
             let noise = [noise_of(&apart, &counters[0], tile), noise_of(&shared, &counters[1], tile)];
             let around = radiance_around(&noise[1]);
-            let [apart, shared] =
-                noise.map(|noise| [own_variance(&noise), relative_variance(&noise, &around, MAX_RARE_VARIANCE)]);
+            let [apart, shared] = noise.map(|noise| {
+                let own = probe::own_variance(&noise);
+                [own, probe::relative_variance(&noise, &around, MAX_RARE_VARIANCE)]
+            });
             [0, 1].map(|measure| [apart[measure], shared[measure]])
         })
         .collect();
@@ -79,12 +78,6 @@ pub(crate) fn pays(
     })
 }
 
-/// Mean and variance of the samples of a pixel, by channel.
-struct Noise {
-    mean: DVec3,
-    variance: DVec3,
-}
-
 /// Noise of the pixels of a tile of the probe.
 fn noise_of_tile(ctx: &TraceContext, tile: u32) -> Vec<Noise> {
     let [width, height] = ctx.frame.size();
@@ -95,15 +88,7 @@ fn noise_of_tile(ctx: &TraceContext, tile: u32) -> Vec<Noise> {
     let left = corner(tile % PROBE_GRID[0], PROBE_GRID[0], width);
     let top = corner(tile / PROBE_GRID[0], PROBE_GRID[1], height);
     let pixels: Vec<(u32, u32)> = (top..top + GROUP).flat_map(|y| (left..left + GROUP).map(move |x| (x, y))).collect();
-    let values: Vec<Vec<Vec3>> = (0..PROBE_SAMPLES).map(|sample| path::trace(ctx, &pixels, sample, 1)).collect();
-    let count = f64::from(PROBE_SAMPLES);
-    let noise_of_pixel = |pixel: usize| {
-        let samples = || values.iter().map(|sample| sample[pixel].as_dvec3());
-        let mean = samples().sum::<DVec3>() / count;
-        let variance = samples().map(|value| (value - mean) * (value - mean)).sum::<DVec3>() / (count - 1.0);
-        Noise { mean, variance }
-    };
-    (0..pixels.len()).map(noise_of_pixel).collect()
+    probe::noise(ctx, &pixels, PROBE_SAMPLES)
 }
 
 /// Radiance around each pixel of a tile: that of its neighbours or of the tile, whichever is brighter. Its own samples do not
@@ -120,21 +105,4 @@ fn radiance_around(tile: &[Noise]) -> Vec<DVec3> {
         sum / count
     };
     (0..tile.len()).map(|pixel| of_neighbours(pixel).max(of_tile)).collect()
-}
-
-/// Variance of the pixels of a tile relative to the squares of these radiances, as in relMSE, summed; at most `most` for a pixel
-/// and channel.
-fn relative_variance(tile: &[Noise], radiance: &[DVec3], most: f64) -> f64 {
-    let of_pixel = |(noise, radiance): (&Noise, &DVec3)| {
-        let relative = noise.variance / (*radiance * *radiance + RELMSE_EPSILON);
-        // Ignore values that are not finite.
-        relative.to_array().into_iter().filter(|value| value.is_finite()).map(|value| value.min(most)).sum::<f64>()
-    };
-    tile.iter().zip(radiance).map(of_pixel).sum()
-}
-
-/// Variance of the pixels of a tile, relative to their own means.
-fn own_variance(tile: &[Noise]) -> f64 {
-    let own: Vec<DVec3> = tile.iter().map(|noise| noise.mean).collect();
-    relative_variance(tile, &own, MAX_VARIANCE)
 }

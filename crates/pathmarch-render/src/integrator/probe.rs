@@ -1,10 +1,16 @@
 //! Probes: a few paths of a picture that tell how to render it. They count operations and measure no time, so that the same
 //! picture is always rendered in the same way.
 
+use super::path;
+use crate::metrics::RELMSE_EPSILON;
 use crate::ray_stats::RayCounters;
 use crate::sampling::sobol::hash;
-use crate::scene::FrameUniforms;
+use crate::scene::{FrameUniforms, TraceContext};
+use glam::{DVec3, Vec3};
 use pathmarch_scene::Sampler;
+
+/// Largest variance of a pixel of a probe, relative to the square of its own mean, so that none dominates.
+const MAX_VARIANCE: f64 = 10.0;
 
 /// Cost of an evaluation of the field relative to a ray and its shading.
 const EVALUATION_COST: f64 = 0.25;
@@ -37,4 +43,39 @@ pub(super) fn path_count(picture: &FrameUniforms, samples: u32) -> f64 {
 pub(super) fn cost(counters: &RayCounters) -> f64 {
     let total = counters.total();
     total.rays as f64 + EVALUATION_COST * total.evaluations as f64
+}
+
+/// Mean and variance of the samples of a pixel, by channel.
+pub(super) struct Noise {
+    pub(super) mean: DVec3,
+    pub(super) variance: DVec3,
+}
+
+/// Noise of this number of samples of each of these pixels, which do not share camera rays.
+pub(super) fn noise(ctx: &TraceContext, pixels: &[(u32, u32)], samples: u32) -> Vec<Noise> {
+    let values: Vec<Vec<Vec3>> = (0..samples).map(|sample| path::trace(ctx, pixels, sample, 1)).collect();
+    let count = f64::from(samples);
+    let noise_of_pixel = |pixel: usize| {
+        let samples = || values.iter().map(|sample| sample[pixel].as_dvec3());
+        let mean = samples().sum::<DVec3>() / count;
+        let variance = samples().map(|value| (value - mean) * (value - mean)).sum::<DVec3>() / (count - 1.0);
+        Noise { mean, variance }
+    };
+    (0..pixels.len()).map(noise_of_pixel).collect()
+}
+
+/// Variance of pixels relative to the squares of these radiances, as in relMSE, summed; at most `most` for a pixel and channel.
+pub(super) fn relative_variance(pixels: &[Noise], radiance: &[DVec3], most: f64) -> f64 {
+    let of_pixel = |(noise, radiance): (&Noise, &DVec3)| {
+        let relative = noise.variance / (*radiance * *radiance + RELMSE_EPSILON);
+        // Ignore values that are not finite.
+        relative.to_array().into_iter().filter(|value| value.is_finite()).map(|value| value.min(most)).sum::<f64>()
+    };
+    pixels.iter().zip(radiance).map(of_pixel).sum()
+}
+
+/// Variance of pixels relative to the squares of their own means.
+pub(super) fn own_variance(pixels: &[Noise]) -> f64 {
+    let own: Vec<DVec3> = pixels.iter().map(|noise| noise.mean).collect();
+    relative_variance(pixels, &own, MAX_VARIANCE)
 }

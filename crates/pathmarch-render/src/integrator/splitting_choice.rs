@@ -64,7 +64,9 @@ pub(crate) fn best_splitting(
         trace_camera_rays(&context(&ray_counters), pixels);
         variances(&context(&path_counters), pixels)
     });
-    let [between, within] = variances.reduce(|| [0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    // In the order of the rows, so that the sums are always the same.
+    let variances: Vec<[f64; 2]> = variances.collect();
+    let [between, within] = variances.iter().fold([0.0; 2], |sum, row| [sum[0] + row[0], sum[1] + row[1]]);
     let ray_cost = probe::cost(&ray_counters);
     let path_cost = (probe::cost(&path_counters) - ray_cost) / f64::from(PROBE_PATHS);
     let lane_wait = if in_lanes { LANE_WAIT } else { 0.0 };

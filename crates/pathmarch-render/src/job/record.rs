@@ -47,7 +47,7 @@ impl Job {
     /// Number of paths that share a camera ray.
     pub fn splitting(&self) -> u32 {
         match &self.work {
-            Work::Still(tracer) => tracer.splitting(),
+            Work::Still(tracer) => tracer.config().splitting,
             Work::Moving(_) => 1,
         }
     }
@@ -56,14 +56,14 @@ impl Job {
     /// [`Settings::light_samples`](crate::Settings::light_samples).
     pub fn light_samples(&self) -> u32 {
         match &self.work {
-            Work::Still(tracer) => tracer.light_samples(),
+            Work::Still(tracer) => tracer.config().light_samples,
             Work::Moving(_) => self.settings.light_samples.unwrap_or(1),
         }
     }
 
     /// True if pixels share light, see [`Settings::path_reuse`](crate::Settings::path_reuse).
     pub fn reuses_paths(&self) -> bool {
-        matches!(&self.work, Work::Still(tracer) if tracer.reuses_paths())
+        matches!(&self.work, Work::Still(tracer) if tracer.config().path_reuse)
     }
 
     /// True if pixels at the edges of emitters have further camera rays, see

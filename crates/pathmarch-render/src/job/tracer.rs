@@ -8,6 +8,7 @@ use crate::mode::Mode;
 use crate::output::film::Film;
 use crate::output::parts::Rect;
 use crate::output::tonemap::Display;
+use crate::scene::KernelConfig;
 use std::time::Duration;
 
 /// Picture being rendered.
@@ -71,19 +72,11 @@ impl Tracer {
         }
     }
 
-    /// Number of light samples at the first surface of a path.
-    pub(crate) fn light_samples(&self) -> u32 {
+    /// Configuration of the estimator.
+    pub(crate) fn config(&self) -> &KernelConfig {
         match self {
-            Self::Gpu(job) => job.light_samples(),
-            Self::Cpu(job) => job.light_samples(),
-        }
-    }
-
-    /// True if pixels share light.
-    pub(crate) fn reuses_paths(&self) -> bool {
-        match self {
-            Self::Gpu(job) => job.reuses_paths(),
-            Self::Cpu(job) => job.reuses_paths(),
+            Self::Gpu(job) => job.config(),
+            Self::Cpu(job) => job.config(),
         }
     }
 
@@ -129,14 +122,6 @@ impl Tracer {
         match self {
             Self::Gpu(job) => job.restrict(rects),
             Self::Cpu(job) => job.restrict(&rects),
-        }
-    }
-
-    /// Number of paths that share a camera ray.
-    pub(crate) fn splitting(&self) -> u32 {
-        match self {
-            Self::Gpu(job) => job.splitting(),
-            Self::Cpu(job) => job.splitting(),
         }
     }
 

@@ -22,6 +22,7 @@
 //!
 //! **Cost.** Two importances for each level, in lanes for eight points at once. Built in O(n log n).
 
+use crate::sampling::ONE_MINUS_EPSILON;
 use crate::wgsl::{shared_constants, shared_struct};
 use glam::Vec3;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
@@ -250,8 +251,6 @@ impl LightTree {
 }
 
 shared_constants! {
-    /// Largest number below one.
-    const ONE_MINUS_EPSILON: f32 = 1.0 - 0.5 * f32::EPSILON;
     /// Smallest squared distance in an importance, square metres.
     const MIN_SQUARE: f32 = 1e-20;
     /// Mean square of the distances of lights from the centre of their bounding sphere, in radii of the sphere.

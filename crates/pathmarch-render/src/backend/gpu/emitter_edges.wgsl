@@ -2,9 +2,6 @@
 // Entry point: further camera rays at the edges of emitters in a slice. Twin of emitter_edges.rs, which explains them. Sixteen
 // lanes trace the rays of a pixel: the further ones, and the last lane the path's own.
 
-/// Number of pixels of a workgroup.
-const EDGES_PER_GROUP = 64u / RAYS_PER_EDGE;
-
 /// Emission along the ray of each lane.
 var<workgroup> emissions: array<vec3f, 64>;
 

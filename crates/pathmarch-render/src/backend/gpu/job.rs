@@ -15,7 +15,7 @@ use super::slice::{BAND, MAX_GROUPS_ACROSS, Progress, Slice};
 use super::timer::GpuTimer;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
-use crate::integrator::emitter_edges::{EmitterEdges, RAYS_PER_EDGE};
+use crate::integrator::emitter_edges::{EDGES_PER_GROUP, EmitterEdges};
 use crate::integrator::guides::FILM_SAMPLES;
 use crate::integrator::photons;
 use crate::integrator::splitting;
@@ -23,7 +23,7 @@ use crate::mode::Mode;
 use crate::output::film::Film;
 use crate::output::parts::Rect;
 use crate::output::tonemap::Display;
-use crate::scene::{FrameUniforms, PhotonMap};
+use crate::scene::{FrameUniforms, KernelConfig, PhotonMap};
 use bytemuck::Zeroable;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -73,12 +73,8 @@ pub(crate) struct GpuJob {
     target: Duration,
     /// Work of a submission of about that time: samples, summed over pixels.
     quota: f64,
-    /// Number of paths that share a camera ray: largest number of samples of a dispatch.
-    splitting: u32,
-    /// Number of light samples at the first surface of a path.
-    light_samples: u32,
-    /// True if pixels share light.
-    reuses_paths: bool,
+    /// Its `splitting` is the largest number of samples of a dispatch.
+    config: KernelConfig,
     /// Submissions in flight: index, work and time of submission.
     in_flight: VecDeque<(wgpu::SubmissionIndex, f64, Instant)>,
     last_completion: Instant,
@@ -308,9 +304,7 @@ impl GpuJob {
             submitted: Progress::default(),
             target,
             quota: f64::from(BAND * 64),
-            splitting: input.config.splitting,
-            light_samples: input.config.light_samples,
-            reuses_paths: input.config.path_reuse,
+            config: input.config,
             in_flight: VecDeque::new(),
             last_completion: Instant::now(),
             timer: None,
@@ -396,7 +390,7 @@ impl GpuJob {
                 pass.set_bind_group(0, &self.bindings, &[k as u32 * self.slice_stride]);
                 pass.dispatch_workgroups(slice.columns.div_ceil(8), slice.rows.div_ceil(BAND).max(1), 1);
                 if let Some((kernel, _)) = self.edges.as_ref().filter(|_| slice.edges > 0 && round == 0) {
-                    let groups = slice.edges.div_ceil(64 / RAYS_PER_EDGE);
+                    let groups = slice.edges.div_ceil(EDGES_PER_GROUP);
                     pass.set_pipeline(&kernel.pipeline);
                     pass.dispatch_workgroups(groups.min(MAX_GROUPS_ACROSS), groups.div_ceil(MAX_GROUPS_ACROSS), 1);
                 }
@@ -443,7 +437,7 @@ impl GpuJob {
         let Progress { samples, row, column, .. } = self.submitted;
         let sample = self.first_sample + samples;
         if self.is_whole() {
-            self.submitted.begun = splitting::samples_sharing_ray(sample, self.splitting, upto - samples);
+            self.submitted.begun = splitting::samples_sharing_ray(sample, self.config.splitting, upto - samples);
         }
         let begun = self.submitted.begun;
         let pixels = work / f64::from(begun);
@@ -618,24 +612,14 @@ impl GpuJob {
         self.active = rects;
     }
 
-    /// Number of light samples at the first surface of a path.
-    pub(crate) fn light_samples(&self) -> u32 {
-        self.light_samples
-    }
-
-    /// True if pixels share light.
-    pub(crate) fn reuses_paths(&self) -> bool {
-        self.reuses_paths
+    /// Configuration of its kernel.
+    pub(crate) fn config(&self) -> &KernelConfig {
+        &self.config
     }
 
     /// True if edges of emitters have further camera rays.
     pub(crate) fn traces_edges(&self) -> bool {
         self.edges.is_some()
-    }
-
-    /// Number of paths that share a camera ray.
-    pub(crate) fn splitting(&self) -> u32 {
-        self.splitting
     }
 
     /// Reads the film back. The caller ensures that no sample is half done.

@@ -14,7 +14,7 @@ use crate::integrator::{
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
 use crate::preview_steps;
-use crate::sampling::sobol::pair;
+use crate::sampling::{self, sobol::pair};
 use crate::scene::light as scene_light;
 use crate::scene::medium as scene_medium;
 use crate::scene::{
@@ -110,8 +110,8 @@ static FILES: &[ShaderFile] = shader_files![
     },
     "preview/soft_shadow" shares soft_shadow::shared_wgsl,
     "sampling/basis",
-    "sampling/r2_sequence" shares pair::shared_wgsl,
-    "sampling/sobol" shares || pair::shared_wgsl() + &encode::samplers_wgsl(),
+    "sampling/r2_sequence" shares || pair::shared_wgsl() + &sampling::shared_wgsl(),
+    "sampling/sobol" shares || pair::shared_wgsl() + &sampling::shared_wgsl() + &encode::samplers_wgsl(),
     "shading/mesh_fields",
     "shading/mesh_normals",
     "shading/mesh_uvs",
