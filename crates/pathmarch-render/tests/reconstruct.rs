@@ -232,6 +232,17 @@ fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
         println!("frame {frame}: relMSE {error:.2e}; equal histories {lengths:.4}, motions {motion:.4}");
         assert!(error < 1e-5 && lengths > 0.98 && motion > 0.98, "{frame}: {error} {lengths} {motion}");
     }
+    // Lamps, in front of each other, at another size.
+    let lamps = Arc::new(parse(LAMPS));
+    for frame in 8..11 {
+        let settings = settings(&lamps, moved(&lamps, 0.03 * frame as f32), 1, frame);
+        let size = if frame == 10 { [150, 96] } else { SIZE };
+        let [a, b] =
+            sequences.each_mut().map(|sequence| sequence.render_upscaled(&lamps, &settings, size).expect("a picture"));
+        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        println!("lamps, frame {frame}: relMSE {error:.2e}");
+        assert!(error < 1e-5, "{frame}: {error}");
+    }
     // At rest, a film of several samples.
     let scene = &balls[3];
     let settings = settings(scene, moved(scene, 0.14), 9, 8);
@@ -287,6 +298,31 @@ fn reflections_stay_where_they_are_while_the_camera_moves() {
     println!("relMSE {before:.4} before, {after:.4} after; energy {energy:.4}");
     assert!(after < 0.12 * before, "{before} {after}");
     assert!((energy - 1.0).abs() < 0.08, "{energy}");
+}
+
+/// Lamps of several sizes and colours before a dim wall, one before another.
+const LAMPS: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0; fov 30 }\nrender { bounces 1 }\n\
+    material \"wall\" { diffuse 0.4 0.3 0.2 }\nmaterial \"white\" { emit 20 }\nmaterial \"red\" { emit 9 2 1 }\n\
+    object \"wall\" material=\"wall\" { rect 9 { normal 0 0 1; at 0 1 -1.5 } }\n\
+    object \"ball\" material=\"wall\" { sphere 0.3 { at -0.4 0.8 0.5 } }\n\
+    object \"a\" material=\"white\" { sphere 0.2 { at 0.6 1.2 0 } }\n\
+    object \"b\" material=\"red\" { sphere 0.4 { at 0.9 0.9 -0.6 } }\n\
+    object \"c\" material=\"white\" { box 0.5 0.3 0.1 { rotate 0 0 20; at -0.7 1.4 0 } }\n\
+    object \"d\" material=\"red\" { sphere 0.02 { at 0 1.5 0.5 } }";
+
+fn lamps_have_clean_edges_while_the_camera_moves() {
+    let scene = Arc::new(parse(LAMPS));
+    let reference = converged(&scene, moved(&scene, 0.3));
+    let errors = [true, false].map(|emitter_edges| {
+        let mut sequence = Sequence::new(&cpu(), ReconstructOptions { emitter_edges, ..ReconstructOptions::default() });
+        let frames = (0..11).map(|frame| next(&mut sequence, &scene, moved(&scene, 0.03 * frame as f32), frame));
+        let last = frames.last().expect("a frame").reconstructed;
+        let (error, energy) = (relmse(&last, &reference).expect("finite"), mean(&last) / mean(&reference));
+        println!("edges {emitter_edges}: relMSE {error:.4}, energy {energy:.4}");
+        assert!((energy - 1.0).abs() < 0.02, "{energy}");
+        error
+    });
+    assert!(errors[0] < 0.3 * errors[1], "{errors:?}");
 }
 
 /// The room, with a ball of this radius.
@@ -364,6 +400,7 @@ tests! {
         a_growing_ball_keeps_its_past,
         mirror_images_keep_their_past_while_the_camera_moves,
         reflections_stay_where_they_are_while_the_camera_moves,
+        lamps_have_clean_edges_while_the_camera_moves,
         light_that_is_switched_off_fades_at_once,
         a_still_picture_of_many_samples_is_not_altered,
     ],

@@ -5,7 +5,7 @@ use crate::integrator::emitter_edges;
 use crate::integrator::guides::{FILM_SAMPLES, Guide};
 use crate::integrator::splitting;
 use crate::mode::{Mode, uncertainty_of};
-use crate::output::film::Film;
+use crate::output::film::{Film, is_kept, kept};
 use crate::output::parts::Rect;
 use crate::output::tonemap::Display;
 use crate::ray_stats::RayCounters;
@@ -63,16 +63,6 @@ fn add_to(sum: &mut [f32; 3], value: Vec3) {
     *sum = (Vec3::from(*sum) + value).into();
 }
 
-/// True for a sample that the film accepts: the same test as in the kernel. Comparisons with NaN are false.
-fn is_kept(value: Vec3) -> bool {
-    value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all()
-}
-
-/// The sample, or zero if the film rejects it.
-fn kept(value: Vec3) -> Vec3 {
-    if is_kept(value) { value } else { Vec3::ZERO }
-}
-
 fn tiles(rect: Rect) -> Vec<Tile> {
     let starts = |start: u32, end: u32| (start..end).step_by(TILE as usize).map(move |at| [at, (at + TILE).min(end)]);
     let rows = starts(rect.y, rect.bottom());
@@ -113,6 +103,11 @@ impl CpuJob {
     /// True if edges of emitters have further camera rays.
     pub(crate) fn traces_edges(&self) -> bool {
         self.input.edges.is_some()
+    }
+
+    /// Index of the film's first sample.
+    pub(crate) fn first_sample(&self) -> u32 {
+        self.first_sample
     }
 
     /// Guides, if they are recorded.

@@ -3,9 +3,14 @@
 
 /// Camera ray of a sample of the pixel (`x`, `y`); row 0 is at the top.
 fn camera_ray(x: u32, y: u32, sampler: PixelSampler) -> Ray {
+    return camera_ray_of(vec2u(x, y), vec2u(frame.width, frame.height), sampler);
+}
+
+/// Camera ray of a sample of a pixel of a picture of this size.
+fn camera_ray_of(pixel: vec2u, size: vec2u, sampler: PixelSampler) -> Ray {
     let pixel_offset = sample_2d(sampler, PAIR_PIXEL);
-    let across = 2.0 * (f32(x) + pixel_offset.x) / f32(frame.width) - 1.0;
-    let up = 1.0 - 2.0 * (f32(y) + pixel_offset.y) / f32(frame.height);
+    let across = 2.0 * (f32(pixel.x) + pixel_offset.x) / f32(size.x) - 1.0;
+    let up = 1.0 - 2.0 * (f32(pixel.y) + pixel_offset.y) / f32(size.y);
     let view_vector = frame.forward + frame.right * across + frame.up * up;
     if frame.lens_radius == 0.0 {
         return Ray(frame.position, normalize(view_vector));

@@ -16,7 +16,7 @@
 //! tenth of the relMSE (docs/performance.md).
 
 use super::camera::{camera_rays, pixel_sampler};
-use super::path;
+use super::path::{self, SeenEmission};
 use super::splitting::camera_ray_index;
 use crate::intersect::ray::Ray;
 use crate::sampling::sobol::{PixelSampler, hash};
@@ -203,6 +203,11 @@ fn probe(ctx: &TraceContext, places: &[Place]) -> Vec<u32> {
 
 /// Emission along these camera rays through each of these pixels, pixel by pixel.
 fn emission(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<Vec3> {
+    seen_emission(ctx, pixels, indices).into_iter().map(|seen| seen.radiance).collect()
+}
+
+/// What these camera rays through each of these pixels see, pixel by pixel.
+pub(super) fn seen_emission(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<SeenEmission> {
     let of_pixel = |&(x, y): &(u32, u32)| {
         let sampler = move |index: u32| pixel_sampler(ctx.frame, x, y, index);
         indices.clone().map(move |index| ((x, y), sampler(index)))

@@ -110,6 +110,11 @@ fn unpacked_guide(words: array<vec4u, 4>) -> Guide {
     return guide;
 }
 
+/// True if the camera sees an emitter itself, not its mirror image.
+fn is_seen_emitter(guide: Guide) -> bool {
+    return guide.guide_class == GUIDE_EMITTER && guide.leaf != NO_LEAF;
+}
+
 /// Luminance of a linear Rec. 709 colour.
 fn luminance(colour: vec3f) -> f32 {
     return dot(colour, vec3f(0.2126, 0.7152, 0.0722));

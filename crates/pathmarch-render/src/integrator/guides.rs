@@ -130,6 +130,11 @@ impl Guide {
         self.reflected.add(&sample.reflected, share);
     }
 
+    /// True if the camera sees an emitter itself, not its mirror image.
+    pub(crate) fn is_seen_emitter(&self) -> bool {
+        self.class == GuideClass::Emitter && self.leaf != NO_LEAF
+    }
+
     /// True if the surface has facets whose light is recorded apart.
     pub(crate) fn has_facets(&self) -> bool {
         self.reflected.alpha > 0.0

@@ -5,6 +5,7 @@
 //! same order, so pictures of one seed differ only by rounding.
 
 pub(crate) mod camera;
+pub(crate) mod emitter_coverage;
 pub(crate) mod emitter_edges;
 pub(crate) mod guides;
 pub(crate) mod light_samples_choice;

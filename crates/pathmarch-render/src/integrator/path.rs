@@ -90,17 +90,28 @@ pub(crate) fn radiance_along(ctx: &TraceContext, rays: impl Iterator<Item = (Ray
     continue_paths(ctx, paths, vertices, radiance, None, None)
 }
 
-/// Light that the surfaces which these rays hit emit towards the camera.
-pub(crate) fn emission_along(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> Vec<Vec3> {
+/// Light that the surface which a camera ray hits emits towards the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SeenEmission {
+    /// Radiance, W/(m² sr).
+    pub(super) radiance: Vec3,
+    /// True if the surface is an emitter, which scatters no light.
+    pub(super) is_emitter: bool,
+}
+
+/// Emission that these camera rays see.
+pub(super) fn emission_along(ctx: &TraceContext, rays: impl Iterator<Item = (Ray, PixelSampler)>) -> Vec<SeenEmission> {
     let (mut paths, mut radiance) = start_paths(ctx, rays);
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, None);
     radiance.fill(Vec3::ZERO);
+    let mut are_emitters = vec![false; radiance.len()];
     for (path, vertex) in paths.iter().zip(&vertices) {
         if let Vertex::Surface(interaction) = vertex {
-            add_emission(ctx, path, interaction, 0, &mut radiance);
+            are_emitters[path.slot] = !add_emission(ctx, path, interaction, 0, &mut radiance);
         }
     }
-    radiance
+    let seen = |(radiance, is_emitter): (Vec3, bool)| SeenEmission { radiance, is_emitter };
+    radiance.into_iter().zip(are_emitters).map(seen).collect()
 }
 
 /// Starts a path with each of these rays. Returns the paths and the radiance of each so far.

@@ -12,6 +12,7 @@
 //! size has a relative error of about `sqrt(n) * 6e-8`: 1.5e-5 at 65,536 samples, far below their noise.
 
 use crate::output::image::Picture;
+use glam::Vec3;
 
 /// Accumulated radiance: one sum for each pixel and channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +29,16 @@ pub struct Film {
     rejected: Vec<u32>,
     /// Number of samples that each pixel lacks, because adaptive sampling has left them out; empty if no pixel lacks any.
     skipped: Vec<u32>,
+}
+
+/// True for a sample that the film accepts: the same test as in the kernel. Comparisons with NaN are false.
+pub(crate) fn is_kept(value: Vec3) -> bool {
+    value.cmpge(Vec3::ZERO).all() && value.cmplt(Vec3::splat(1e30)).all()
+}
+
+/// The sample, or zero if the film rejects it.
+pub(crate) fn kept(value: Vec3) -> Vec3 {
+    if is_kept(value) { value } else { Vec3::ZERO }
 }
 
 /// Reason why two films cannot be added.

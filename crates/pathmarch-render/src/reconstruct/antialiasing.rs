@@ -75,7 +75,7 @@ struct Upscaling<'a> {
     projection: Projection,
     guides: &'a [Guide],
     samples: &'a [Vec3],
-    /// Opponent colour of each sample, and the length of its path.
+    /// Opponent colour of each sample, and the length of its path; the largest number if it is no part of the picture.
     opponents: Vec<Vec4>,
     /// Position of each sample, pixels of the samples; empty if the picture is as large as they are.
     positions: Vec<[f32; 2]>,
@@ -83,18 +83,21 @@ struct Upscaling<'a> {
     factor: [f32; 2],
 }
 
-/// Averages samples with the last picture, at a size that is at least theirs.
+/// Averages samples with the last picture, at a size that is at least theirs. If emitters are a layer apart, samples of them
+/// do not move others.
 pub(super) fn antialiased(
     frame: &FrameUniforms,
     guides: &[Guide],
     samples: &[Vec3],
     size: [u32; 2],
     last: Option<Last>,
+    emitters_are_apart: bool,
 ) -> ShownPicture {
     let is_larger = size != frame.size();
     let projection = Projection::new(frame);
     let position = |(index, guide): (usize, &Guide)| sample_position(frame, &projection, index, guide);
-    let opponent = |(sample, guide): (&Vec3, &Guide)| opponent_of(*sample).extend(guide.length);
+    let length = |guide: &Guide| if emitters_are_apart && guide.is_seen_emitter() { f32::MAX } else { guide.length };
+    let opponent = |(sample, guide): (&Vec3, &Guide)| opponent_of(*sample).extend(length(guide));
     let upscaling = Upscaling {
         frame,
         projection,
@@ -213,20 +216,6 @@ fn colour_of(opponent: Vec3) -> Vec3 {
 }
 
 impl ShownPicture {
-    /// A colour, limited to the range of those at a pixel and next to it.
-    pub(super) fn limited(&self, index: usize, colour: Vec3) -> Vec3 {
-        let [width, height] = self.size.map(|side| side as usize);
-        let (x, y) = (index % width, index / width);
-        let (mut least, mut most) = (self.colours[index], self.colours[index]);
-        for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
-            for column in x.saturating_sub(1)..=(x + 1).min(width - 1) {
-                let there = self.colours[row * width + column];
-                (least, most) = (least.min(there), most.max(there));
-            }
-        }
-        colour.clamp(least.xyz(), most.xyz())
-    }
-
     /// Colour at a position, in pixels, by bicubic interpolation: bilinear interpolation, repeated in every picture, blurs.
     /// It stays between the four nearest colours, or there would be black rings around lamps.
     fn cubic(&self, position: [f32; 2]) -> Vec3 {

@@ -1,14 +1,6 @@
 // import: reconstruct/pass
 // Temporal anti-aliasing and upscaling. Twin of antialiasing.rs.
 
-/// Radiance of a pixel of the samples.
-fn sample_at(pixel: u32, guide: Guide) -> vec3f {
-    if uniforms.has_facets == 0u {
-        return estimates[pixel].xyz * divisor(guide);
-    }
-    return base[pixel].xyz * divisor(guide) + estimates[pixel].xyz * reflection_divisor(guide);
-}
-
 /// Lightness, orange against blue, green against magenta.
 fn opponent_of(colour: vec3f) -> vec3f {
     return vec3f(
@@ -76,6 +68,11 @@ fn past_colour(position: vec2f) -> vec3f {
     return clamp(sum, least, most);
 }
 
+/// Length of the path to the point of a guide, metres; large if it is no part of the picture.
+fn length_of_part(guide: Guide) -> f32 {
+    return select(path_length(guide), 3e38, uniforms.has_emitters != 0u && is_seen_emitter(guide));
+}
+
 /// Averages samples with the last picture.
 @compute @workgroup_size(8, 8)
 fn antialias(@builtin(global_invocation_id) id: vec3u) {
@@ -94,7 +91,7 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     // Edges move with what is in front.
     var nearest = guide_at(pixel_index(centre));
     var nearest_pixel = pixel_index(centre);
-    var colour = sample_at(pixel_index(centre), nearest);
+    var colour = estimates[pixel_index(centre)].xyz;
     var weighted = vec3f(0.0);
     var total = 0.0;
     var largest = 0.0;
@@ -104,8 +101,8 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
             continue;
         }
         let guide = guide_at(pixel_index(place));
-        let there = sample_at(pixel_index(place), guide);
-        if path_length(guide) < path_length(nearest) {
+        let there = estimates[pixel_index(place)].xyz;
+        if length_of_part(guide) < length_of_part(nearest) {
             nearest = guide;
             nearest_pixel = pixel_index(place);
         }

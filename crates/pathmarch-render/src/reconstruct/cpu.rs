@@ -3,15 +3,18 @@
 //! **Cost.** 0.2 to 0.8 of the time in which one sample is traced.
 
 use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
+use super::emitters::{EmitterLayer, without_emitters};
 use super::motion::{EarlierPoints, Motion};
+use super::planes::Grid;
 use super::temporal::{History, PixelMean, Samples};
 use super::{
     BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
     film_variance, fireflies, irradiance_of, luminance, motions, reflections, settled_weight, settles, spatial,
     temporal,
 };
+use crate::backend::RenderInput;
 use crate::integrator::guides::Guide;
-use crate::scene::{FrameUniforms, RenderScene};
+use crate::scene::RenderScene;
 use glam::{Vec3, Vec4Swizzles};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -61,12 +64,13 @@ impl PassClock {
 
 /// Film of a sequence, as reconstruction reads it.
 pub(super) struct FilmView<'a> {
-    pub(crate) scene: &'a Arc<RenderScene>,
-    pub(crate) frame: &'a FrameUniforms,
+    pub(crate) input: &'a RenderInput,
     pub(crate) guides: &'a Arc<Vec<Guide>>,
     pub(crate) means: &'a [Vec3],
     /// Number of samples in each mean.
     pub(crate) samples: u32,
+    /// Index of the first sample.
+    pub(crate) first_sample: u32,
     /// Weight of the means themselves, 0 to 1.
     pub(crate) weight: f32,
 }
@@ -81,7 +85,8 @@ impl CpuReconstruction {
 
     /// Linear picture of a film, of this size.
     pub(super) fn picture(&mut self, film: &FilmView, size: [u32; 2], options: &ReconstructOptions) -> Vec<Vec3> {
-        let &FilmView { scene, frame, guides, means, samples, weight } = film;
+        let &FilmView { input, guides, means, samples, first_sample, weight } = film;
+        let (scene, frame) = (&input.scene, &input.frame);
         let mut clock = PassClock::default();
         let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| irradiance_of(*mean, guide));
         let mut irradiance: Vec<Vec3> = divided.collect();
@@ -121,6 +126,11 @@ impl CpuReconstruction {
             false => unfiltered(&history, &reflections),
         };
         clock.ends("spatial filter");
+        let emitters =
+            options.emitter_edges.then(|| EmitterLayer::new(&input.context(None), guides, size, first_sample));
+        let emitters = emitters.flatten();
+        let clean = if emitters.is_some() { without_emitters(frame.size(), guides, &clean) } else { clean };
+        clock.ends("emitters");
         let last = past.filter(|_| options.antialiasing);
         let last = last.map(|past| Last {
             picture: &past.shown,
@@ -128,11 +138,16 @@ impl CpuReconstruction {
             earlier: &earlier,
             new_weight: new_weight(samples),
         });
-        let shown = antialiased(frame, guides, &clean, size, last);
+        let shown = antialiased(frame, guides, &clean, size, last, emitters.is_some());
         clock.ends("anti-aliasing");
+        let rest = shown.colours.par_iter().enumerate().map(|(index, colour)| (index, colour.xyz()));
+        let picture: Vec<Vec3> = match &emitters {
+            Some(emitters) => rest.map(|(index, colour)| emitters.over(film, index, colour)).collect(),
+            None => rest.map(|(_, colour)| colour).collect(),
+        };
         let picture = match settles(samples) && frame.size() == size {
-            true => mixed_with_film(film, &shown),
-            false => shown.colours.iter().map(|colour| colour.xyz()).collect(),
+            true => mixed_with_film(film, &picture),
+            false => picture,
         };
         clock.ends("mix with the film");
         self.passes = clock.passes;
@@ -185,11 +200,11 @@ fn unfiltered(history: &History, reflections: &[PixelMean]) -> Vec<Vec3> {
 
 /// Squared difference between a picture and the means of its film in luminance of the irradiance, and the variance of these
 /// means.
-fn film_differences(film: &FilmView, shown: &ShownPicture) -> Vec<[f32; 2]> {
+fn film_differences(film: &FilmView, picture: &[Vec3]) -> Vec<[f32; 2]> {
     let difference = |index: usize| {
         let guide = &film.guides[index];
         let irradiance = luminance(film.means[index] / guide.divisor());
-        let difference = irradiance - luminance(shown.colours[index].xyz() / guide.divisor());
+        let difference = irradiance - luminance(picture[index] / guide.divisor());
         [difference * difference, film_variance(guide, irradiance, film.samples as f32)]
     };
     (0..film.means.len()).into_par_iter().with_min_len(4096).map(difference).collect()
@@ -213,20 +228,31 @@ fn unbiased_weight(size: [u32; 2], differences: &[[f32; 2]], index: usize) -> f3
 }
 
 /// Mixes a picture with the means of its film, each pixel by the noise of the film and the error of the picture.
-fn mixed_with_film(film: &FilmView, shown: &ShownPicture) -> Vec<Vec3> {
-    let differences = film_differences(film, shown);
+fn mixed_with_film(film: &FilmView, picture: &[Vec3]) -> Vec<Vec3> {
+    let size = film.input.frame.size();
+    let differences = film_differences(film, picture);
     let mixed = |index: usize| {
         let (mean, guide) = (film.means[index], &film.guides[index]);
         let settled = settled_weight(guide, luminance(mean / guide.divisor()), film.samples as f32);
         let settled = match guide.is_mixed {
             true => settled,
-            false => settled.max(unbiased_weight(film.frame.size(), &differences, index)),
+            false => settled.max(unbiased_weight(size, &differences, index)),
         };
         // Pixels of several surfaces are not filtered; their noise ends where no colour around them is.
-        let settling = if guide.is_mixed { shown.limited(index, mean) } else { mean };
-        shown.colours[index].xyz().lerp(settling, settled).lerp(mean, film.weight)
+        let settling = if guide.is_mixed { limited(picture, size, index, mean) } else { mean };
+        picture[index].lerp(settling, settled).lerp(mean, film.weight)
     };
     (0..film.means.len()).into_par_iter().with_min_len(4096).map(mixed).collect()
+}
+
+/// A colour, limited to the range of those of a picture at a pixel and next to it.
+fn limited(picture: &[Vec3], size: [u32; 2], index: usize, colour: Vec3) -> Vec3 {
+    let grid = Grid::new(size);
+    let (x, y) = (index as i32 % grid.width, index as i32 / grid.width);
+    let here = (picture[index], picture[index]);
+    let (least, most) =
+        grid.around(x, y, 1).fold(here, |(least, most), there| (least.min(picture[there]), most.max(picture[there])));
+    colour.clamp(least, most)
 }
 
 /// Colour of a motion as [`motions`] gives it: red rightwards, green downwards, blue where it is unknown.
@@ -259,9 +285,9 @@ mod tests {
         let mut picture = |number: u32| {
             let mut means = vec![Vec3::ONE; 1024];
             means[528] = if number == 2 { speck } else { Vec3::ONE };
-            let (scene, frame) = (&input.scene, &input.frame);
             reconstruction.start_film(false);
-            let film = FilmView { scene, frame, guides: &guides, means: &means, samples: 1, weight: 0.0 };
+            let (samples, first_sample, weight) = (1, number, 0.0);
+            let film = FilmView { input: &input, guides: &guides, means: &means, samples, first_sample, weight };
             reconstruction.picture(&film, [32, 32], &ReconstructOptions::default())
         };
         (0..12).map(&mut picture).collect()

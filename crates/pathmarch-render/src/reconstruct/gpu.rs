@@ -252,7 +252,8 @@ impl GpuReconstruction {
             new_weight: antialiasing::new_weight(film.samples),
             has_facets: 0,
             past_has_facets: u32::from(past.is_some_and(|past| past.has_facets)),
-            padding: [0; 2],
+            has_emitters: u32::from(film.coverages.is_some() && options.emitter_edges),
+            padding: 0,
         }
     }
 
@@ -283,6 +284,7 @@ impl GpuReconstruction {
                 field_parameters,
                 buffers,
                 facets,
+                coverages: film.coverages,
                 films: [&buffers.films[self.turn], &buffers.films[1 - self.turn]],
                 turn: self.turn,
             },
@@ -310,12 +312,13 @@ impl GpuReconstruction {
             recorder.run("reflections", &facet_passes.accumulate, &[0, 2, 3, 5, 6, 7, 12, 15], target);
             recorder.filter(&facet_passes.filter, options, target);
         }
+        recorder.run("emitters", &passes.remove_emitters, &[0, 2, 7, 8, 14], target);
         let target = Target { size, ..target };
-        recorder.run("anti-aliasing", &passes.antialias, &[0, 2, 3, 7, 9, 10, 12, 14], target);
+        recorder.run("anti-aliasing", &passes.antialias, &[0, 2, 3, 7, 9, 10, 12], Target { source: 1, ..target });
         if settles(film.samples) && traced == size {
-            recorder.run("mix with the film", &passes.compare_with_film, &[0, 1, 2, 8, 10], target);
+            recorder.run("mix with the film", &passes.compare_with_film, &[0, 1, 2, 8, 10, 16], target);
         }
-        recorder.run("mix with the film", &passes.mix_with_film, &[0, 1, 2, 7, 8, 10], target);
+        recorder.run("mix with the film", &passes.mix_with_film, &[0, 1, 2, 7, 8, 10, 16], target);
         recorder.run("display", &passes.show, &[0, 5, 7, 11], target);
         let bytes = SCREEN_BYTES * u64::from(size[0]) * u64::from(size[1]);
         let PassRecorder { mut encoder, timer, names, .. } = recorder;

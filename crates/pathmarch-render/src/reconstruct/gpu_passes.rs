@@ -7,6 +7,7 @@ use super::{PassTime, ReconstructOptions, antialiasing, fireflies, motion, refle
 use crate::backend::gpu::shaders::{ShaderFile, shader_files, with_imports};
 use crate::backend::gpu::{Device, GpuTimer};
 use crate::error::RenderError;
+use crate::integrator::emitter_coverage;
 use crate::output::tonemap;
 use crate::wgsl::{declaration, shared_struct};
 use pathmarch_field::wgsl::Program;
@@ -63,7 +64,9 @@ shared_struct! {
         /// Not 0 if light of facets is filtered apart; and in the last picture.
         pub(super) has_facets: u32,
         pub(super) past_has_facets: u32,
-        pub(super) padding: [u32; 2],
+        /// Not 0 if emitters are laid over the picture.
+        pub(super) has_emitters: u32,
+        pub(super) padding: u32,
     }
 }
 
@@ -71,11 +74,13 @@ pub(super) static FILES: &[ShaderFile] = shader_files![
     "reconstruct/antialiasing" shares antialiasing::shared_wgsl,
     "reconstruct/base",
     "reconstruct/deformation",
+    "reconstruct/emitters",
     "reconstruct/facets",
     "reconstruct/history",
     "reconstruct/pass" shares || {
         [declaration::<PassUniforms>(), declaration::<LeafMotion>(), super::shared_wgsl(), temporal::shared_wgsl(),
-            spatial::shared_wgsl(), fireflies::shared_wgsl(), motion::shared_wgsl()].concat()
+            spatial::shared_wgsl(), fireflies::shared_wgsl(), motion::shared_wgsl(), emitter_coverage::shared_wgsl()]
+        .concat()
     },
     "reconstruct/reflections" shares reflections::shared_wgsl,
     "reconstruct/show" shares tonemap::wgsl,
@@ -90,6 +95,7 @@ pub(super) struct Passes {
     pub(super) spread_fireflies: wgpu::ComputePipeline,
     pub(super) accumulate: wgpu::ComputePipeline,
     pub(super) filter: FilterPasses,
+    pub(super) remove_emitters: wgpu::ComputePipeline,
     pub(super) antialias: wgpu::ComputePipeline,
     pub(super) compare_with_film: wgpu::ComputePipeline,
     pub(super) mix_with_film: wgpu::ComputePipeline,
@@ -216,6 +222,7 @@ impl Passes {
             spread_fireflies: pipeline(&spatial, "spread_fireflies"),
             accumulate: pipeline(&temporal, "accumulate"),
             filter: FilterPasses::new(gpu, BASE),
+            remove_emitters: pipeline(&module("reconstruct/emitters"), "remove_emitters"),
             antialias: pipeline(&module("reconstruct/antialiasing"), "antialias"),
             compare_with_film: pipeline(&show, "compare_with_film"),
             mix_with_film: pipeline(&show, "mix_with_film"),
@@ -249,6 +256,7 @@ pub(super) struct PassSources<'a> {
     pub(super) field_parameters: Option<&'a wgpu::Buffer>,
     pub(super) buffers: &'a Buffers,
     pub(super) facets: Option<&'a FacetBuffers>,
+    pub(super) coverages: Option<&'a wgpu::Buffer>,
     /// Those of the present film and of the one before.
     pub(super) films: [&'a FilmBuffers; 2],
     pub(super) turn: usize,
@@ -278,7 +286,9 @@ impl PassSources<'_> {
             13 => self.field_parameters.unwrap_or(self.uniforms),
             // Without light of facets, nothing reads it.
             14 => self.facets.map_or(&past.colours, |facets| &facets.base),
-            _ => self.facets.map_or(&past.colours, |facets| &facets.images),
+            15 => self.facets.map_or(&past.colours, |facets| &facets.images),
+            // Without emitters, nothing reads it.
+            _ => self.coverages.unwrap_or(&past.colours),
         }
     }
 }

@@ -4,7 +4,8 @@
 //! irradiance here. (1) `temporal`: every pixel finds its point in the last picture and continues the mean of the pixels
 //! there, if they show the same point; `reflections` does so with the images in glossy surfaces. (2) `spatial`: neighbours
 //! on the same surface are averaged over a footprint that shrinks as the mean gets surer. (3) `antialiasing`: the picture
-//! is averaged with the last one, at up to twice the resolution of the samples. (4) Once nothing moves, the plain mean of
+//! is averaged with the last one, at up to twice the resolution of the samples. (4) `emitters`: lamps that the camera
+//! sees are laid over it. (5) Once nothing moves, the plain mean of
 //! a film that was started there takes over, and the picture is then the one that a still render gives.
 //!
 //! Each step is written twice, for the CPU and in WGSL, and tests compare them: `cpu` and `gpu` run the steps.
@@ -19,6 +20,7 @@
 
 mod antialiasing;
 mod cpu;
+mod emitters;
 mod fireflies;
 mod gpu;
 mod gpu_buffers;
@@ -83,6 +85,8 @@ pub struct ReconstructOptions {
     pub firefly_filter: bool,
     /// Averages neighbours on the same surface.
     pub spatial_filter: bool,
+    /// Finds the edges of emitters by further camera rays.
+    pub emitter_edges: bool,
     /// Averages the picture with the last one.
     pub antialiasing: bool,
     /// Shows moving pictures at up to twice the resolution of their samples; needs `antialiasing`.
@@ -97,6 +101,7 @@ impl Default for ReconstructOptions {
             reprojection: true,
             firefly_filter: true,
             spatial_filter: true,
+            emitter_edges: true,
             antialiasing: true,
             upscaling: true,
             buffer: Buffer::Picture,
@@ -193,14 +198,15 @@ impl Reconstruction {
             Tracer::Cpu(job) => {
                 let Some(guides) = job.guides() else { return Ok(None) };
                 let (means, samples) = (job.means(), job.samples_done() as u32);
-                let (scene, frame) = (&input.scene, &input.frame);
-                let film = FilmView { scene, frame, guides: &guides, means: &means, samples, weight: film_weight };
+                let first_sample = job.first_sample();
+                let film =
+                    FilmView { input, guides: &guides, means: &means, samples, first_sample, weight: film_weight };
                 let picture = self.cpu.picture(&film, size, options);
                 let buffer = self.cpu.buffer(options.buffer, size);
                 Ok(Some(buffer.unwrap_or_else(|| display.encode_rgba(&picture))))
             }
             Tracer::Gpu(job) => {
-                let Some(film) = job.reconstructed_film()? else { return Ok(None) };
+                let Some(film) = job.reconstructed_film(size)? else { return Ok(None) };
                 if self.gpu.as_ref().is_none_or(|gpu| !gpu.is_on(film.device)) {
                     let mut gpu = GpuReconstruction::new(film.device)?;
                     if self.times_passes {
@@ -228,8 +234,8 @@ impl Reconstruction {
         let weight = film_weight(tracer.samples_done() as u32, u32::MAX);
         if let Tracer::Cpu(job) = tracer {
             let Some(guides) = job.guides() else { return Ok(None) };
-            let (scene, frame, samples) = (&input.scene, &input.frame, job.samples_done() as u32);
-            let film = FilmView { scene, frame, guides: &guides, means, samples, weight };
+            let (samples, first_sample) = (job.samples_done() as u32, job.first_sample());
+            let film = FilmView { input, guides: &guides, means, samples, first_sample, weight };
             return Ok(Some(self.cpu.picture(&film, size, options)));
         }
         let shown = self.show(tracer, input, weight, size, options, &Display::default())?;

@@ -24,6 +24,9 @@
 /// luminance.
 @group(0) @binding(15) var<storage, read_write> images: array<vec4f>;
 
+/// Coverages of the pixels of the picture by emitters, see `Coverage` in emitter_coverage.rs.
+@group(0) @binding(16) var<storage, read> coverages: array<vec4f>;
+
 /// Mean of a pixel.
 struct History {
     irradiance: vec3f,

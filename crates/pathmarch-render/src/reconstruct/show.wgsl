@@ -1,6 +1,24 @@
 // import: reconstruct/pass
 // The picture or a buffer as sRGB codes, four bytes a pixel. Twin of `CpuReconstruction::buffer`.
 
+/// Colour of a pixel of the picture, with emitters in front of it. Twin of `EmitterLayer::over`.
+fn shown_colour(position: vec2u) -> vec3f {
+    let size = vec2u(uniforms.shown_width, uniforms.shown_height);
+    let pixel = position.y * size.x + position.x;
+    let colour = colours[pixel].xyz;
+    if uniforms.has_emitters == 0u {
+        return colour;
+    }
+    let coverage = coverages[pixel];
+    if coverage.w == FULL_COVERAGE {
+        let samples = vec2u(uniforms.width, uniforms.height);
+        let factor = vec2f(size) / vec2f(samples);
+        let sample_position = min(vec2u((vec2f(position) + 0.5) / factor), samples - 1u);
+        return film_mean(sample_position, sample_position.y * samples.x + sample_position.x);
+    }
+    return colour * (1.0 - coverage.w) + coverage.xyz;
+}
+
 /// Squared difference between the picture and the means of its film, and the variance of these means. Twin of
 /// `film_differences`.
 @compute @workgroup_size(8, 8)
@@ -12,7 +30,7 @@ fn compare_with_film(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.y * size.x + id.x;
     let guide = guide_at(pixel);
     let irradiance = luminance(film_mean(id.xy, pixel) / divisor(guide));
-    let difference = irradiance - luminance(colours[pixel].xyz / divisor(guide));
+    let difference = irradiance - luminance(shown_colour(id.xy) / divisor(guide));
     next_estimates[pixel] = vec4f(difference * difference, film_variance(guide, irradiance), 0.0, 0.0);
 }
 
@@ -47,7 +65,8 @@ fn mix_with_film(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let pixel = id.y * size.x + id.x;
-    estimates[pixel] = colours[pixel];
+    let shown = shown_colour(id.xy);
+    estimates[pixel] = vec4f(shown, 0.0);
     if uniforms.settles < 2u {
         return;
     }
@@ -65,19 +84,19 @@ fn mix_with_film(@builtin(global_invocation_id) id: vec3u) {
     } else {
         settled = max(settled, unbiased_weight(vec2i(id.xy)));
     }
-    let colour = mix(mix(colours[pixel].xyz, settling, settled), mean, uniforms.weight);
+    let colour = mix(mix(shown, settling, settled), mean, uniforms.weight);
     estimates[pixel] = vec4f(colour, 0.0);
 }
 
 /// A colour, limited to the range of those of the picture at a pixel and next to it.
 fn limited(position: vec2i, colour: vec3f) -> vec3f {
     let size = vec2i(i32(uniforms.shown_width), i32(uniforms.shown_height));
-    let here = colours[position.y * size.x + position.x].xyz;
+    let here = shown_colour(vec2u(position));
     var least = here;
     var most = here;
     for (var k = 0; k < 9; k++) {
         let place = clamp(position + vec2i(k % 3 - 1, k / 3 - 1), vec2i(0), size - 1);
-        let there = colours[place.y * size.x + place.x].xyz;
+        let there = shown_colour(vec2u(place));
         least = min(least, there);
         most = max(most, there);
     }

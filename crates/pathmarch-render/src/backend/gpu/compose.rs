@@ -67,6 +67,8 @@ pub(super) enum KernelKind {
     Samples,
     /// Further camera rays of the pixels at edges of emitters.
     EmitterEdges,
+    /// Coverage of pixels by emitters, from the guides of a live picture.
+    EmitterCoverage,
 }
 
 /// Source of a picture's kernel in WGSL.
@@ -110,6 +112,7 @@ pub(super) fn kernel(
     }
     let entry = match kind {
         KernelKind::EmitterEdges => "backend/gpu/emitter_edges",
+        KernelKind::EmitterCoverage => "backend/gpu/emitter_coverage",
         KernelKind::Samples if input.config.path_reuse => "backend/gpu/trace_tiles",
         KernelKind::Samples => "backend/gpu/trace",
     };

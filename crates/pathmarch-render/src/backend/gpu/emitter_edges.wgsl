@@ -1,30 +1,9 @@
-// import: backend/gpu/buffers, integrator/camera, integrator/camera_ray_index, integrator/path_state, intersect/march
+// import: backend/gpu/buffers, integrator/camera, integrator/camera_emission, integrator/camera_ray_index
 // Entry point: further camera rays at the edges of emitters in a slice. Twin of emitter_edges.rs, which explains them. Sixteen
 // lanes trace the rays of a pixel: the further ones, and the last lane the path's own.
 
 /// Emission along the ray of each lane.
 var<workgroup> emissions: array<vec3f, 64>;
-
-/// Light that the surface which a camera ray hits emits towards the camera.
-fn emission_along(camera: Ray, sampler: PixelSampler) -> vec3f {
-    var path = path_from(camera, sampler);
-    let hit = march(path.ray, path.length, AT_INFINITY);
-    if hit.t < 0.0 {
-        return vec3f(0.0);
-    }
-    if ABSORPTION {
-        path.throughput *= transmittance(path.medium, hit.t);
-    }
-    if arrive(&path, hit) && HAS_GLOW {
-        let interaction = resolve_surface(path.ray.origin, path.ray.direction, path.hit, path.surface_at_hit);
-        let m = leaves[interaction.leaf].material;
-        if (materials[m].flags & GLOWS) != 0u {
-            evaluate_textures(m, interaction, path.length);
-            add_emission(&path, interaction, emission_at(m));
-        }
-    }
-    return path.radiance;
-}
 
 @compute @workgroup_size(64)
 fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
@@ -43,7 +22,7 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
         if ray_of_pixel < EDGE_RAYS {
             sampler = pixel_sampler(x, y, camera_ray_index * RAYS_PER_EDGE + ray_of_pixel, hash(~frame.seed));
         }
-        emissions[lane] = emission_along(camera_ray(x, y, sampler), sampler);
+        emissions[lane] = emission_along(camera_ray(x, y, sampler), sampler).xyz;
     }
     workgroupBarrier();
     if is_inside && ray_of_pixel == 0u {

@@ -8,6 +8,7 @@
 use super::GpuContext;
 use super::bindings;
 use super::display::DisplayBuffers;
+use super::emitter_coverage::CoveragePass;
 use super::encode::LightRecord;
 use super::kernel_cache::{Kernel, KernelSource};
 use super::loop_limit::{self, SuspendedPaths};
@@ -46,6 +47,8 @@ pub(crate) struct GpuJob {
     kernel: Arc<Kernel>,
     /// Kernel for the edges of emitters, and the edges.
     edges: Option<(Arc<Kernel>, Arc<EmitterEdges>)>,
+    /// Coverage by emitters, if guides are recorded.
+    coverage: Option<CoveragePass>,
     bindings: wgpu::BindGroup,
     frame: wgpu::Buffer,
     /// True if the kernel contains the frame.
@@ -148,6 +151,8 @@ pub(crate) struct ReconstructedFilm<'a> {
     pub(crate) device: &'a Arc<GpuContext>,
     pub(crate) film: &'a wgpu::Buffer,
     pub(crate) guides: &'a wgpu::Buffer,
+    /// Coverages of the pixels of the picture by emitters; `None` if it cannot show any.
+    pub(crate) coverages: Option<&'a wgpu::Buffer>,
     /// Samples of every pixel.
     pub(crate) samples: u32,
     /// Further samples of the pixels above `row`, and in the eight rows from there of those left of `column`.
@@ -188,6 +193,8 @@ impl GpuJob {
             (Some(code), Some(edges)) => Some((device.kernels.compile(&device, source, code)?, edges.clone())),
             _ => None,
         };
+        let coverage_kernel =
+            source.coverage.as_ref().map(|code| device.kernels.compile(&device, source, code)).transpose()?;
         let gpu = &device.device;
         let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
         let out_of_memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
@@ -265,7 +272,7 @@ impl GpuJob {
         };
         entries.extend(suspended.iter().map(|paths| entry(bindings::SUSPENDED, paths.buffer.as_entire_binding())));
         entries.retain(|entry| used.contains(&entry.binding));
-        let bindings = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+        let bind_group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("trace"),
             layout: &kernel.layout,
             entries: &entries,
@@ -281,12 +288,21 @@ impl GpuJob {
             offset: photon_offset as u64,
             capacity: photon_bytes,
         });
+        let coverage = coverage_kernel.map(|kernel| {
+            let mut buffers = vec![(bindings::FRAME, frame.clone())];
+            buffers.extend(tables.iter().cloned());
+            buffers.extend(light_tree.clone().map(|nodes| (bindings::LIGHT_TREE, nodes)));
+            buffers.extend(guides.clone().map(|guides| (bindings::GUIDES, guides)));
+            buffers.retain(|(binding, _)| used.contains(binding));
+            CoveragePass { kernel, buffers, slices: slices.clone(), coverages: None }
+        });
         let may_resume = input.mode.traces_paths() && input.config.splitting == 1;
         let mut job = Self {
             device,
             kernel,
             edges,
-            bindings,
+            coverage,
+            bindings: bind_group,
             frame,
             frame_is_constant: source.bindings.frame_is_constant(),
             slices,
@@ -360,12 +376,16 @@ impl GpuJob {
         pass.show(&self.device, buffers, self.size, self.submitted, display, mode)
     }
 
-    /// Film so far, if its guides are recorded. Waits for all submissions.
-    pub(crate) fn reconstructed_film(&mut self) -> Result<Option<ReconstructedFilm<'_>>, RenderError> {
+    /// Film so far, if its guides are recorded, for a picture of this size. Waits for all submissions.
+    pub(crate) fn reconstructed_film(&mut self, size: [u32; 2]) -> Result<Option<ReconstructedFilm<'_>>, RenderError> {
         self.wait()?;
+        if let Some(coverage) = self.coverage.as_mut().filter(|_| self.guides.is_some()) {
+            coverage.start(&self.device, size, self.first_sample)?;
+        }
         let Progress { samples, begun, row, column } = self.submitted;
         let (device, film) = (&self.device, &self.film);
-        let of = |guides| ReconstructedFilm { device, film, guides, samples, begun, row, column };
+        let coverages = self.coverage.as_ref().and_then(|pass| Some(&pass.coverages.as_ref()?.buffer));
+        let of = |guides| ReconstructedFilm { device, film, guides, coverages, samples, begun, row, column };
         Ok(self.guides.as_ref().map(of))
     }
 

@@ -6,6 +6,7 @@ use super::device::Device;
 use super::encode::SceneData;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
+use crate::scene::MaterialRecord;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -17,6 +18,9 @@ pub(crate) struct KernelSource {
     pub(crate) code: String,
     /// Source of the kernel for edges of emitters, if there are any. It has the same bindings.
     pub(super) edges: Option<String>,
+    /// Source of the kernel for coverage by emitters, if a live picture may show some. It has the same bindings, but writes
+    /// coverages instead of the film.
+    pub(super) coverage: Option<String>,
     pub(super) parameters: Vec<[f32; 4]>,
     pub(super) data: SceneData,
     pub(crate) bindings: Bindings,
@@ -40,7 +44,10 @@ impl KernelSource {
         let source = |kind| kernel(kind, input, &program, &bindings, &data);
         let code = source(KernelKind::Samples);
         let edges = input.edges.as_ref().map(|_| source(KernelKind::EmitterEdges));
-        Self { code, edges, parameters: program.parameters, data, bindings, trusted }
+        let has_emitters = input.scene.materials.iter().any(MaterialRecord::emits);
+        let shows_emitters = bindings.has_guides && !input.config.media && has_emitters;
+        let coverage = shows_emitters.then(|| source(KernelKind::EmitterCoverage));
+        Self { code, edges, coverage, parameters: program.parameters, data, bindings, trusted }
     }
 
     /// True if the device has compiled this kernel and dispatched it once.

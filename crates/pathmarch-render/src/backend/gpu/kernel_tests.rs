@@ -212,8 +212,8 @@ fn scene_of(features: &[&Feature], path: &str) -> Scene {
 }
 
 /// Kernel sources of a scene in a mode. With four paths for each camera ray, pixels share light where that is possible, and
-/// numbers are constants. Where a path starts alone, there is also a kernel that samples several lights, and one for edges of
-/// emitters.
+/// numbers are constants. Where a path starts alone, there are also a kernel for coverage by emitters if the scene has any, one
+/// that samples several lights, and one for edges of emitters.
 fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) -> Vec<String> {
     let settings = Settings { size: [8, 8], mode, splitting, path_reuse: Some(true), ..Settings::of(scene) };
     let mut input = RenderInput::new(scene, &settings).with_guides();
@@ -221,7 +221,8 @@ fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) ->
         input.choose_path_reuse(&settings, settings.samples, software);
         input.config.constant_numbers = true;
     }
-    let mut sources = vec![KernelSource::for_adapter(&input, software).code];
+    let source = KernelSource::for_adapter(&input, software);
+    let mut sources: Vec<String> = [Some(source.code), source.coverage].into_iter().flatten().collect();
     if mode == Mode::Path && splitting.unwrap_or(1) == 1 && !input.config.media {
         let mut input = RenderInput::new(scene, &settings);
         input.config.light_samples = 4;

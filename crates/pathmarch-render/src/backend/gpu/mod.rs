@@ -6,6 +6,7 @@ mod compose;
 mod context;
 mod device;
 mod display;
+mod emitter_coverage;
 mod encode;
 mod job;
 mod kernel_cache;

@@ -8,8 +8,8 @@ use super::encode;
 use super::loop_limit::SuspendedPath;
 use super::slice::{self, Slice};
 use crate::integrator::{
-    emitter_edges, guides, light_sampling, media_segment, medium, participating_media, path_reuse, path_state,
-    reflected_light, shadow, splitting,
+    emitter_coverage, emitter_edges, guides, light_sampling, media_segment, medium, participating_media, path_reuse,
+    path_state, reflected_light, shadow, splitting,
 };
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
@@ -54,6 +54,7 @@ static FILES: &[ShaderFile] = shader_files![
         [declaration::<FrameUniforms>(), declaration::<Slice>(), declaration::<LeafRecord>(), leaf::shared_wgsl(),
             declaration::<MaterialRecord>(), material::shared_wgsl()].concat()
     },
+    "backend/gpu/emitter_coverage" shares slice::shared_wgsl,
     "backend/gpu/emitter_edges" shares || emitter_edges::shared_wgsl() + &slice::shared_wgsl(),
     "backend/gpu/film",
     "backend/gpu/lanes",
@@ -65,7 +66,9 @@ static FILES: &[ShaderFile] = shader_files![
     "backend/gpu/trace_tiles",
     "integrator/absorbing_media",
     "integrator/camera",
+    "integrator/camera_emission",
     "integrator/camera_ray_index" shares splitting::shared_wgsl,
+    "integrator/emitter_coverage" shares emitter_coverage::shared_wgsl,
     "integrator/guide" shares guides::shared_wgsl,
     "integrator/guides",
     "integrator/light_nodes_storage" shares declaration::<LightNode>,

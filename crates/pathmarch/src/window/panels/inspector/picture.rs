@@ -10,7 +10,15 @@ use pathmarch_render::{Mode, PreviewStep};
 
 /// Switches of the stages of reconstruction, and the buffer that is shown.
 fn reconstruction_stages(ui: &mut Ui, options: &mut ReconstructOptions) {
-    let ReconstructOptions { reprojection, firefly_filter, spatial_filter, antialiasing, upscaling, buffer } = options;
+    let ReconstructOptions {
+        reprojection,
+        firefly_filter,
+        spatial_filter,
+        emitter_edges,
+        antialiasing,
+        upscaling,
+        buffer,
+    } = options;
     for (stage, name, doc) in [
         (reprojection, "reprojection", "Continues the mean of each point of the last picture."),
         (
@@ -19,6 +27,7 @@ fn reconstruction_stages(ui: &mut Ui, options: &mut ReconstructOptions) {
             "Spreads the energy of samples that are far brighter than their neighbours.",
         ),
         (spatial_filter, "spatial filter", "Averages neighbours on the same surface."),
+        (emitter_edges, "edges of emitters", "Finds the edges of lamps by further camera rays."),
         (antialiasing, "anti-aliasing", "Averages the picture with the last one."),
         (upscaling, "upscaling", "Shows the moving picture at up to twice the resolution of its samples."),
     ] {

@@ -1,0 +1,43 @@
+// import: integrator/guide
+// Where samples are beside emitters. Twin of emitter_coverage.rs.
+
+/// Samples of an emitter in a square of samples, in the low bits, and whether the square has an edge.
+const HAS_EMITTER_EDGE = 256u;
+
+/// Second and third words of a guide, which tell its emitter.
+struct EmitterWords {
+    second: vec4u,
+    third: vec4u,
+}
+
+/// True if the camera sees an emitter.
+fn shows_emitter(words: EmitterWords) -> bool {
+    return (words.third.x >> CLASS_SHIFT) == GUIDE_EMITTER && words.third.z != NO_LEAF;
+}
+
+/// Emitters and edges at a sample beside another.
+fn emitter_relation(here: EmitterWords, there: EmitterWords) -> u32 {
+    if !shows_emitter(there) {
+        return HAS_EMITTER_EDGE;
+    }
+    let a = bitcast<vec3f>(vec3u(here.second.zw, here.third.w));
+    let b = bitcast<vec3f>(vec3u(there.second.zw, there.third.w));
+    let apart = abs(a - b);
+    let larger = max(a, b);
+    let differs = max(max(apart.x, apart.y), apart.z) > EMITTER_CONTRAST * max(max(larger.x, larger.y), larger.z);
+    return 1u + select(0u, HAS_EMITTER_EDGE, differs);
+}
+
+/// Emitters and edges of two parts of a square.
+fn joined_relations(a: u32, b: u32) -> u32 {
+    return ((a & (HAS_EMITTER_EDGE - 1u)) + (b & (HAS_EMITTER_EDGE - 1u))) | ((a | b) & HAS_EMITTER_EDGE);
+}
+
+/// Place of a sample in whose square are these emitters and edges.
+fn emitter_place(here: EmitterWords, relations: u32) -> u32 {
+    if (relations & (HAS_EMITTER_EDGE - 1u)) < MIN_EMITTER_SAMPLES {
+        return OUTSIDE_EMITTERS;
+    }
+    let is_edge = (relations & HAS_EMITTER_EDGE) != 0u || (here.third.y & MIXED_BIT) != 0u;
+    return select(WITHIN_EMITTERS, AT_EMITTER_EDGE, is_edge);
+}

@@ -1,0 +1,176 @@
+//! Emitters that the camera sees, as a layer of their own in front of the picture.
+//!
+//! **Idea.** A lamp is hundreds of times brighter than what is beside it. Where its edge is averaged with earlier pictures,
+//! it grows by the blur of their interpolation, and its light stays where the lamp has been. But it has no noise, and
+//! camera rays alone tell which share of a pixel it covers. So edges of emitters get a few camera rays of their own in
+//! every picture, and the rest of the picture is reconstructed without emitters, which are laid over it at the end.
+//!
+//! **Limits.** An emitter of which neighbouring pixels show but one sample is too small to be found in every picture; it
+//! stays in the rest. Emitters in mirrors and behind glass are parts of the rest, too.
+
+use super::cpu::FilmView;
+use super::planes::Grid;
+use crate::integrator::emitter_coverage::{
+    Coverage, EmitterPlace, FULL_COVERAGE, MIN_EMITTER_SAMPLES, coverages, emitter_place,
+};
+use crate::integrator::guides::Guide;
+use crate::scene::{FrameUniforms, TraceContext};
+use glam::{Vec3, Vec4Swizzles};
+use rayon::prelude::*;
+
+/// Emitters of a picture. It may be larger than its samples.
+pub(super) struct EmitterLayer {
+    /// Pixel of the samples for each pixel of the picture.
+    sample_of: Vec<u32>,
+    coverages: Vec<Coverage>,
+}
+
+/// Pixels of the square of 3x3 around a pixel.
+fn square(grid: Grid, index: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (index as i32 % grid.width, index as i32 / grid.width);
+    grid.around(x, y, 1).chain([index])
+}
+
+impl EmitterLayer {
+    /// Emitters that the samples of a film show, in a picture of this size; `None` if there are none.
+    pub(super) fn new(ctx: &TraceContext, guides: &[Guide], size: [u32; 2], sample: u32) -> Option<Self> {
+        if ctx.config.media || !guides.iter().any(Guide::is_seen_emitter) {
+            return None;
+        }
+        let samples = Grid::new(ctx.frame.size());
+        let place = |index: usize| emitter_place(&guides[index], square(samples, index).map(|there| &guides[there]));
+        let places: Vec<EmitterPlace> = (0..guides.len()).into_par_iter().with_min_len(4096).map(place).collect();
+        let frame = FrameUniforms { width: size[0], height: size[1], ..*ctx.frame };
+        let ctx = TraceContext { frame: &frame, ..*ctx };
+        let sample_of: Vec<u32> = (0..size[1])
+            .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
+            .map(|at| sample_at(at, size, samples))
+            .collect();
+        let of_row = |y: u32| {
+            let row = &sample_of[(y * size[0]) as usize..][..size[0] as usize];
+            let place = |x: u32| places[row[x as usize] as usize];
+            let edges: Vec<(u32, u32)> =
+                (0..size[0]).filter(|&x| place(x) == EmitterPlace::Edge).map(|x| (x, y)).collect();
+            let mut at_edges = coverages(&ctx, &edges, sample).into_iter();
+            let coverage = move |x: u32| match place(x) {
+                EmitterPlace::Outside => Coverage::ZERO,
+                EmitterPlace::Edge => at_edges.next().unwrap_or_default(),
+                EmitterPlace::Within => Coverage::W * FULL_COVERAGE,
+            };
+            (0..size[0]).map(coverage).collect::<Vec<_>>()
+        };
+        let rows: Vec<Vec<Coverage>> = (0..size[1]).into_par_iter().map(of_row).collect();
+        Some(Self { coverages: rows.concat(), sample_of })
+    }
+
+    /// A colour of the rest of the picture at this pixel, with the emitters in front of it.
+    pub(super) fn over(&self, film: &FilmView, index: usize, colour: Vec3) -> Vec3 {
+        let coverage = self.coverages[index];
+        if coverage.w == FULL_COVERAGE {
+            return film.means[self.sample_of[index] as usize];
+        }
+        colour * (1.0 - coverage.w) + coverage.xyz()
+    }
+}
+
+/// Pixel of the samples at a pixel of a picture of this size.
+fn sample_at((x, y): (u32, u32), size: [u32; 2], samples: Grid) -> u32 {
+    let at = |k: u32, length: u32, samples: i32| {
+        let factor = length as f32 / samples as f32;
+        (((k as f32 + 0.5) / factor) as u32).min(samples as u32 - 1)
+    };
+    at(y, size[1], samples.height) * samples.width as u32 + at(x, size[0], samples.width)
+}
+
+/// Colours without emitters: a pixel that shows one has the mean of those around it that show none.
+pub(super) fn without_emitters(size: [u32; 2], guides: &[Guide], colours: &[Vec3]) -> Vec<Vec3> {
+    let grid = Grid::new(size);
+    let colour = |index: usize| {
+        let here = &guides[index];
+        let is_free = |guide: &Guide| !guide.is_seen_emitter() && !guide.is_mixed;
+        if is_free(here) {
+            return colours[index];
+        }
+        let emitters = square(grid, index).filter(|&there| guides[there].is_seen_emitter()).count() as u32;
+        if emitters < MIN_EMITTER_SAMPLES {
+            return colours[index];
+        }
+        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+        for there in square(grid, index).filter(|&there| is_free(&guides[there])) {
+            (sum, count) = (sum + colours[there], count + 1.0);
+        }
+        match count > 0.0 {
+            true => sum / count,
+            false if here.is_seen_emitter() => Vec3::ZERO,
+            false => colours[index],
+        }
+    };
+    (0..colours.len()).into_par_iter().with_min_len(4096).map(colour).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::RenderInput;
+    use crate::integrator::guides::GuideClass;
+    use crate::settings::Settings;
+    use pathmarch_scene::Scene;
+    use std::sync::Arc;
+
+    /// Input of 64x48 pixels, at a distance of 8 metres 8 pixels a metre, of a lamp of radiance 5 and this radius.
+    fn ball(radius: f32) -> RenderInput {
+        let text = format!(
+            "pathmarch 1\ncamera {{ position 0 0 8; target 0 0 0; fov 41.112 }}\nmaterial \"lamp\" {{ emit 5 }}\n\
+             object \"ball\" material=\"lamp\" {{ sphere {radius} {{ at 0.03 0.05 0 }} }}"
+        );
+        let scene = Scene::parse("test.kdl", &text).expect("valid");
+        RenderInput::new(&scene, &Settings { size: [64, 48], ..Settings::of(&scene) })
+    }
+
+    fn guides(input: &RenderInput) -> (Vec<Vec3>, Vec<Guide>) {
+        let pixels: Vec<(u32, u32)> = (0..64 * 48).map(|index| (index % 64, index / 64)).collect();
+        input.sample_with_guides(&input.context(None), &pixels, 0)
+    }
+
+    #[test]
+    fn a_lamp_covers_its_area_at_every_size() {
+        let input = ball(1.5);
+        let (means, guides) = guides(&input);
+        let radius = 8.0 * 1.5 * 8.0 / (8.0f32.powi(2) - 1.5f32.powi(2)).sqrt();
+        let area = std::f32::consts::PI * radius * radius;
+        for size in [[64, 48], [96, 80], [128, 96]] {
+            let layer = EmitterLayer::new(&input.context(None), &guides, size, 0).expect("a lamp");
+            let guides = Arc::new(guides.clone());
+            let film =
+                FilmView { input: &input, guides: &guides, means: &means, samples: 1, first_sample: 0, weight: 0.0 };
+            let light: f32 = (0..layer.coverages.len()).map(|index| layer.over(&film, index, Vec3::ZERO).x).sum();
+            let scale = (size[0] * size[1]) as f32 / (64.0 * 48.0);
+            assert!((light / (5.0 * scale * area) - 1.0).abs() < 0.01, "{size:?}: {light} for {area}");
+            let partly = layer.coverages.iter().filter(|coverage| coverage.w > 0.0 && coverage.w < 1.0).count();
+            assert!(partly > 30, "{partly} pixels are covered in part");
+        }
+    }
+
+    #[test]
+    fn a_speck_is_no_part_of_the_layer() {
+        let input = ball(0.02);
+        let (_, mut guides) = guides(&input);
+        assert!(EmitterLayer::new(&input.context(None), &guides, [64, 48], 0).is_none(), "no sample shows it");
+        guides[23 * 64 + 32] = Guide { class: GuideClass::Emitter, leaf: 0, ..Guide::NONE };
+        let layer = EmitterLayer::new(&input.context(None), &guides, [64, 48], 0).expect("a lamp");
+        assert!(layer.coverages.iter().all(|coverage| *coverage == Coverage::ZERO));
+        let colours = vec![Vec3::ONE; 64 * 48];
+        assert_eq!(without_emitters([64, 48], &guides, &colours), colours);
+    }
+
+    #[test]
+    fn what_is_beside_a_lamp_takes_its_place() {
+        let (colours, guides) = guides(&ball(1.5));
+        let colours: Vec<Vec3> =
+            colours.iter().map(|colour| if *colour == Vec3::ZERO { Vec3::splat(0.25) } else { *colour }).collect();
+        let rest = without_emitters([64, 48], &guides, &colours);
+        assert!(rest.iter().all(|colour| *colour == Vec3::splat(0.25) || *colour == Vec3::ZERO));
+        assert_eq!(rest[23 * 64 + 32], Vec3::ZERO, "nothing is beside the middle");
+        assert!(rest.iter().filter(|colour| **colour == Vec3::ZERO).count() > 300);
+    }
+}
