@@ -39,6 +39,8 @@ struct Guide {
     depth: f32,
     alpha: f32,
     has_coloured_facets: bool,
+    /// Light that other surfaces have scattered to one that scatters light, without that of facets; 0 elsewhere.
+    indirect: vec3f,
 }
 
 /// Unit vector in two numbers from -1 to 1: an octahedral map (Meyer et al. 2010).
@@ -70,11 +72,43 @@ fn depth_of_facets(facets: u32) -> f32 {
     return f32(facets & 4095u) / 4095.0;
 }
 
+/// Exponent of light in one word: its largest channel is below two to this power.
+fn packed_exponent(light: vec3f) -> i32 {
+    let largest = clamp(max(max(light.r, light.g), light.b), 0.0, MAX_PACKED_LIGHT);
+    return clamp(i32(bitcast<u32>(largest) >> 23u) - 126, -15, 16);
+}
+
+/// Difference between neighbouring numbers of a word of light.
+fn packed_step(light: vec3f) -> f32 {
+    return power_of_two(packed_exponent(light) - 9);
+}
+
+/// Light in one word: nine bits for each channel and a common exponent. Twin of `rounded` in guides.rs.
+fn packed_light(light: vec3f) -> u32 {
+    let kept = clamp(light, vec3f(0.0), vec3f(MAX_PACKED_LIGHT));
+    let exponent = packed_exponent(light);
+    let channels = vec3u(kept * power_of_two(9 - exponent));
+    return channels.r | (channels.g << 9u) | (channels.b << 18u) | (u32(exponent + 15) << 27u);
+}
+
+/// Inverse of `packed_light`.
+fn unpacked_light(word: u32) -> vec3f {
+    let channels = vec3f(vec3u(word, word >> 9u, word >> 18u) & vec3u(511u));
+    return channels * power_of_two(i32(word >> 27u) - 24);
+}
+
+fn power_of_two(exponent: i32) -> f32 {
+    return bitcast<f32>(u32(exponent + 127) << 23u);
+}
+
+/// A surface that scatters light is not seen through another: its indirect light takes the place of the seen normal.
 fn packed_guide(guide: Guide) -> array<vec4u, 4> {
     let albedo = bitcast<vec3u>(guide.albedo);
+    let seen_normal = pack2x16snorm(octahedral(guide.seen_normal));
+    let seen = select(seen_normal, packed_light(guide.indirect), guide.guide_class == GUIDE_SURFACE);
     return array<vec4u, 4>(
         bitcast<vec4u>(vec4f(guide.position, guide.square)),
-        vec4u(pack2x16snorm(octahedral(guide.normal)), pack2x16snorm(octahedral(guide.seen_normal)), albedo.xy),
+        vec4u(pack2x16snorm(octahedral(guide.normal)), seen, albedo.xy),
         vec4u(
             guide.object | select(0u, GLOSSY_BIT, guide.is_glossy) | (guide.guide_class << CLASS_SHIFT),
             guide.seen_object | select(0u, MIXED_BIT, guide.is_mixed) | select(0u, COLOURED_BIT, guide.has_coloured_facets),
@@ -91,9 +125,11 @@ fn unpacked_guide(words: array<vec4u, 4>) -> Guide {
     guide.position = place.xyz;
     guide.square = place.w;
     guide.normal = from_octahedral(unpack2x16snorm(words[1].x));
-    guide.seen_normal = from_octahedral(unpack2x16snorm(words[1].y));
     guide.albedo = bitcast<vec3f>(vec3u(words[1].zw, words[2].w));
     guide.guide_class = words[2].x >> CLASS_SHIFT;
+    let is_surface = guide.guide_class == GUIDE_SURFACE;
+    guide.seen_normal = select(from_octahedral(unpack2x16snorm(words[1].y)), guide.normal, is_surface);
+    guide.indirect = select(vec3f(0.0), unpacked_light(words[1].y), is_surface);
     guide.is_glossy = (words[2].x & GLOSSY_BIT) != 0u;
     guide.object = words[2].x & (GLOSSY_BIT - 1u);
     guide.seen_object = words[2].y & (COLOURED_BIT - 1u);

@@ -26,6 +26,8 @@ shared_constants! {
     const MIN_ALBEDO: f32 = 0.04;
     /// Least cosine between normals of samples that show one surface.
     const MIN_COMMON_COSINE: f32 = 0.8;
+    /// Largest channel of light in one word.
+    const MAX_PACKED_LIGHT: f32 = 65408.0;
     /// No leaf.
     pub(crate) const NO_LEAF: u32 = u32::MAX;
     /// Class of the sky.
@@ -74,6 +76,9 @@ pub(crate) struct Guide {
     pub(crate) is_glossy: bool,
     /// Light that the facets of a glossy surface reflect or refract; 0 elsewhere.
     pub(crate) reflected: ReflectedLight,
+    /// Light that other surfaces have scattered to one that scatters light, without that of facets; 0 elsewhere. Mean over the
+    /// samples.
+    pub(crate) indirect: Vec3,
     /// Index of the object; 0 for the sky.
     pub(crate) object: u32,
     /// Index of the object that is seen through glass; elsewhere the object itself.
@@ -95,6 +100,7 @@ impl Guide {
         is_mixed: false,
         is_glossy: false,
         reflected: ReflectedLight::NONE,
+        indirect: Vec3::ZERO,
         object: 0,
         seen_object: 0,
         leaf: NO_LEAF,
@@ -113,11 +119,12 @@ impl Guide {
     /// Guide of a sample with this radiance.
     pub(crate) fn of_sample(self, radiance: Vec3) -> Self {
         // Rejected samples have no light at all.
-        let reflected = if radiance == Vec3::ZERO { Vec3::ZERO } else { self.reflected.radiance };
+        let [reflected, indirect] = [self.reflected.radiance, self.indirect]
+            .map(|light| if radiance == Vec3::ZERO { Vec3::ZERO } else { light });
         let [all, of_facets] =
             [radiance / self.divisor(), reflected / self.reflection_divisor()].map(|light| luminance(light.into()));
         let reflected = ReflectedLight { radiance: reflected, square: of_facets * of_facets, ..self.reflected };
-        Self { square: all * all, reflected, ..self }
+        Self { square: all * all, reflected, indirect: rounded(indirect), ..self }
     }
 
     /// Adds the guide of the sample of this index, from 1 on: the means change, the surface stays that of the first one.
@@ -128,6 +135,11 @@ impl Guide {
         self.albedo = self.albedo.lerp(sample.albedo, share);
         self.square += (sample.square - self.square) * share;
         self.reflected.add(&sample.reflected, share);
+        if self.class == GuideClass::Surface {
+            // Rounded to the nearest, the mean does not fall from sample to sample.
+            let mean = self.indirect.lerp(sample.indirect, share);
+            self.indirect = rounded(mean + 0.5 * packed_step(mean));
+        }
     }
 
     /// True if the camera sees an emitter itself, not its mirror image.
@@ -146,11 +158,28 @@ impl Guide {
     }
 }
 
+/// Light as one word of memory has it: nine bits for each channel and a common exponent. It is smaller by up to 1/256 of its
+/// largest channel.
+fn rounded(light: Vec3) -> Vec3 {
+    let (kept, step) = (light.clamp(Vec3::ZERO, Vec3::splat(MAX_PACKED_LIGHT)), packed_step(light));
+    (kept / step).trunc() * step
+}
+
+/// Difference between neighbouring numbers of a word of light.
+fn packed_step(light: Vec3) -> f32 {
+    let largest = light.max_element().clamp(0.0, MAX_PACKED_LIGHT);
+    // The largest channel is below two to the power of the exponent.
+    let exponent = ((largest.to_bits() >> 23) as i32 - 126).clamp(-15, 16);
+    2.0f32.powi(exponent - 9)
+}
+
 /// Guides being recorded, one for each path.
 pub(crate) struct GuideRecorder {
     camera_rays: Vec<Ray>,
     guides: Vec<Guide>,
     states: Vec<State>,
+    /// Radiance of each path before the first light that another surface scatters to that of the guide.
+    direct: Vec<Option<Vec3>>,
     /// Light of the facets of each guide's surface.
     pub(super) reflections: ReflectionRecorder,
 }
@@ -162,6 +191,8 @@ enum State {
     Mirrored(Mat3),
     /// The first surface that scatters light, seen through glass.
     BehindGlass,
+    /// The next surface that scatters light, to which the guide's has sent the path.
+    Scattered,
     /// Nothing.
     Done,
 }
@@ -178,7 +209,8 @@ impl GuideRecorder {
         };
         let guides = camera_rays.iter().map(sky).collect();
         let states = vec![State::Mirrored(Mat3::IDENTITY); camera_rays.len()];
-        Self { reflections: ReflectionRecorder::new(camera_rays.len()), camera_rays, guides, states }
+        let (reflections, direct) = (ReflectionRecorder::new(camera_rays.len()), vec![None; camera_rays.len()]);
+        Self { reflections, camera_rays, guides, states, direct }
     }
 
     /// Ends the recording of the path in a slot.
@@ -186,7 +218,7 @@ impl GuideRecorder {
         self.states[slot] = State::Done;
     }
 
-    /// Records the surface that a path has reached with this throughput.
+    /// Records the surface that a path has reached with this throughput. `radiance` is that of all paths.
     pub(super) fn record(
         &mut self,
         ctx: &TraceContext,
@@ -194,6 +226,7 @@ impl GuideRecorder {
         throughput: Vec3,
         interaction: &SurfaceInteraction,
         surface_index: u32,
+        radiance: &[Vec3],
     ) {
         let slot = path.slot;
         let leaf = &ctx.scene.leaves[interaction.leaf];
@@ -205,6 +238,14 @@ impl GuideRecorder {
         let object = ctx.scene.field.leaves()[interaction.leaf].object;
         let is_delta = material.has(DELTA) && surface_index < MAX_DELTA_SURFACES;
         let is_glass = is_delta && material.has(TRANSMITS);
+        if matches!(self.states[slot], State::Scattered) {
+            if !is_delta {
+                // An emitter is no part of the indirect light.
+                self.direct[slot] = (!material.emits()).then_some(radiance[slot]);
+                self.states[slot] = State::Done;
+            }
+            return;
+        }
         let guide = &mut self.guides[slot];
         let State::Mirrored(mirrors) = self.states[slot] else {
             if !is_delta {
@@ -219,12 +260,12 @@ impl GuideRecorder {
             self.states[slot] = State::Mirrored(mirrors * Mat3::from_cols(reflection[0], reflection[1], reflection[2]));
             return;
         }
-        self.states[slot] = if is_glass { State::BehindGlass } else { State::Done };
-        let class = match () {
-            () if material.emits() => GuideClass::Emitter,
-            () if is_glass => GuideClass::Glass,
-            () => GuideClass::Surface,
+        let (class, state) = match () {
+            () if material.emits() => (GuideClass::Emitter, State::Done),
+            () if is_glass => (GuideClass::Glass, State::BehindGlass),
+            () => (GuideClass::Surface, State::Scattered),
         };
+        self.states[slot] = state;
         let albedo = if is_glass {
             Vec3::ONE
         } else {
@@ -245,6 +286,7 @@ impl GuideRecorder {
             is_mixed: false,
             is_glossy: is_glass || material.has(GLOSSY),
             reflected: ReflectedLight::NONE,
+            indirect: Vec3::ZERO,
             object,
             seen_object: object,
             leaf: if surface_index == 0 { interaction.leaf as u32 } else { NO_LEAF },
@@ -256,7 +298,11 @@ impl GuideRecorder {
 
     /// Guides of all paths, which have these radiances.
     pub(super) fn into_guides(self, radiance: &[Vec3]) -> Vec<Guide> {
-        let Self { mut guides, reflections, .. } = self;
+        let Self { mut guides, reflections, direct, .. } = self;
+        for (slot, direct) in direct.into_iter().enumerate() {
+            let indirect = direct.map_or(Vec3::ZERO, |direct| radiance[slot] - direct);
+            guides[slot].indirect = indirect * (1.0 - reflections.share_of_rest(slot));
+        }
         for (slot, reflected) in reflections.into_lights(radiance) {
             guides[slot].reflected = reflected;
         }

@@ -15,6 +15,10 @@ const GUIDE_DONE = 2u;
 var<private> guide: Guide;
 var<private> guide_ray: Ray;
 var<private> guide_state: u32;
+/// Whether a surface that scatters light waits for another, and the radiance of the path before that one's light.
+var<private> waits_for_indirect: bool;
+var<private> has_indirect: bool;
+var<private> direct_radiance: vec3f;
 /// Product of the mirror reflections so far.
 var<private> guide_mirrors: mat3x3f;
 
@@ -35,6 +39,8 @@ fn begin_guide(camera: Ray) {
     guide.is_glossy = false;
     guide.alpha = 0.0;
     facets_state = FACETS_DONE;
+    waits_for_indirect = false;
+    has_indirect = false;
 }
 
 /// Reports whether the recorder waits for a surface.
@@ -45,6 +51,16 @@ fn guide_waits() -> bool {
 /// Ends the recording of a path.
 fn end_guide() {
     guide_state = GUIDE_DONE;
+}
+
+/// Records that a path of this radiance has reached a surface that scatters light, unless it is a mirror or glass.
+fn record_scattering(m: u32, surface_index: u32, radiance: vec3f) {
+    let is_delta = (materials[m].flags & DELTA) != 0u && surface_index < MAX_DELTA_SURFACES;
+    if waits_for_indirect && !is_delta {
+        waits_for_indirect = false;
+        has_indirect = surface_index <= frame.bounces;
+        direct_radiance = radiance;
+    }
 }
 
 /// Records the surface that a path has reached with this throughput and length; `colour` is its base colour.
@@ -84,6 +100,7 @@ fn record_guide(
     guide.normal = guide_mirrors * n;
     guide.seen_normal = guide.normal;
     guide.guide_class = select(select(GUIDE_SURFACE, GUIDE_GLASS, is_glass), GUIDE_EMITTER, (flags & EMITS) != 0u);
+    waits_for_indirect = guide.guide_class == GUIDE_SURFACE;
     guide.albedo = select(throughput * colour, vec3f(1.0), is_glass);
     guide.object = interaction.leaf;
     guide.seen_object = interaction.leaf;
@@ -110,10 +127,13 @@ fn store_guide(pixel: u32, radiance: vec3f) {
     stored.reflected = vec3f(0.0);
     stored.reflected_square = 0.0;
     stored.depth = 0.0;
+    // Rejected samples have no light at all.
+    let has_light = any(radiance != vec3f(0.0));
+    stored.indirect = select(vec3f(0.0), radiance - direct_radiance, has_indirect && has_light);
     if guide.alpha > 0.0 {
-        // Rejected samples have no light at all.
         var reflected = reflected_light(radiance);
-        reflected = vec4f(select(vec3f(0.0), reflected.xyz, any(radiance != vec3f(0.0))), reflected.w);
+        reflected = vec4f(select(vec3f(0.0), reflected.xyz, has_light), reflected.w);
+        stored.indirect *= 1.0 - facets_share;
         let of_facets = luminance(reflected.xyz / reflection_divisor(guide));
         stored.reflected = reflected.xyz;
         stored.reflected_square = of_facets * of_facets;
@@ -133,6 +153,9 @@ fn store_guide(pixel: u32, radiance: vec3f) {
         let weights = vec2f(luminance(before.reflected) * (1.0 - share), luminance(sample.reflected) * share + 1e-9);
         stored.depth = mix(before.depth, sample.depth, weights.y / (weights.x + weights.y));
         stored.reflected = mix(before.reflected, sample.reflected, share);
+        // Rounded to the nearest, the mean does not fall from sample to sample.
+        let indirect = mix(before.indirect, sample.indirect, share);
+        stored.indirect = indirect + 0.5 * packed_step(indirect);
         stored.reflected_square = mix(before.reflected_square, sample.reflected_square, share);
     }
     let words = packed_guide(stored);

@@ -94,7 +94,7 @@ pub(super) fn follow(
                 is_boundary || ctx.config.nested_dielectrics && ctx.scene.is_skipped(&path.medium, interaction.leaf);
             if let (SegmentEnd::Event, Some(recorder)) = (&end, &mut recorder) {
                 if !is_crossed {
-                    recorder.record(ctx, path, throughput, &interaction, surface_index);
+                    recorder.record(ctx, path, throughput, &interaction, surface_index, radiance);
                 }
                 recorder.end(path.slot);
                 continue;

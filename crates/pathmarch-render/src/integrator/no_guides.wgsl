@@ -13,6 +13,9 @@ fn guide_waits() -> bool {
 fn end_guide() {}
 
 /// Does nothing.
+fn record_scattering(m: u32, surface_index: u32, radiance: vec3f) {}
+
+/// Does nothing.
 fn record_guide(
     interaction: SurfaceInteraction,
     throughput: vec3f,

@@ -157,7 +157,7 @@ fn continue_paths(
         if let Some(recorder) = &mut recorder {
             for (path, vertex) in paths.iter().zip(&vertices) {
                 let Vertex::Surface(interaction) = vertex else { continue };
-                recorder.record(ctx, path, path.throughput, interaction, surface_index);
+                recorder.record(ctx, path, path.throughput, interaction, surface_index, &radiance);
             }
         }
         if let Some(reuse) = reuse.as_mut().filter(|_| surface_index < 2) {

@@ -49,6 +49,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     let interaction = resolve_surface((*path).ray.origin, incoming, (*path).hit, (*path).surface_at_hit);
     let m = leaves[interaction.leaf].material;
     let flags = materials[m].flags;
+    record_scattering(m, surface_index, (*path).radiance);
     evaluate_textures(m, interaction, (*path).length);
     if HAS_GLOW && (flags & GLOWS) != 0u {
         add_emission(path, interaction, emission_at(m));

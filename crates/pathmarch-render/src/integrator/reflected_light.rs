@@ -188,6 +188,11 @@ impl ReflectionRecorder {
         self.waits = false;
     }
 
+    /// Share of the facets in the light that the rest of a path brings; 0 without facets.
+    pub(super) fn share_of_rest(&self, slot: usize) -> Vec3 {
+        self.slots[slot].as_ref().map_or(Vec3::ZERO, |reflection| reflection.share)
+    }
+
     /// Lights of all paths that have facets, and whose radiances these are.
     pub(super) fn into_lights(self, radiance: &[Vec3]) -> impl Iterator<Item = (usize, ReflectedLight)> {
         let far = self.far;

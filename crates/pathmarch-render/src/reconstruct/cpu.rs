@@ -4,12 +4,14 @@
 
 use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
 use super::emitters::{EmitterLayer, without_emitters};
-use super::motion::{EarlierPoints, Motion};
+use super::indirect::HalfFilm;
+use super::motion::Motion;
 use super::planes::Grid;
+use super::spatial::{DIRECT_REACH, SMOOTH_REACH};
 use super::temporal::{History, PixelMean, Samples};
 use super::{
     BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
-    film_variance, fireflies, irradiance_of, luminance, motions, reflections, settled_weight, settles, spatial,
+    direct_irradiance, film_variance, fireflies, luminance, motions, reflections, settled_weight, settles, spatial,
     temporal,
 };
 use crate::backend::RenderInput;
@@ -24,6 +26,8 @@ use web_time::Instant;
 struct Reconstructed {
     scene: Arc<RenderScene>,
     history: History,
+    /// Means of the indirect light, at half the resolution.
+    indirect: History,
     /// Means of the light of facets; empty if there are none.
     reflections: Vec<PixelMean>,
     shown: ShownPicture,
@@ -88,7 +92,7 @@ impl CpuReconstruction {
         let &FilmView { input, guides, means, samples, first_sample, weight } = film;
         let (scene, frame) = (&input.scene, &input.frame);
         let mut clock = PassClock::default();
-        let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| irradiance_of(*mean, guide));
+        let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| direct_irradiance(*mean, guide));
         let mut irradiance: Vec<Vec3> = divided.collect();
         let has_facets = reflections::exist(guides);
         let of_facets = |guide: &Guide| guide.reflected.radiance / guide.reflection_divisor();
@@ -102,15 +106,28 @@ impl CpuReconstruction {
         }
         let past = self.past.as_ref();
         let changed_past = past.filter(|_| self.changes.scene);
-        let earlier = changed_past.map_or_else(EarlierPoints::default, |past| {
-            Motion::new(&past.scene, scene).earlier_points(guides, frame.pixel)
-        });
+        let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.scene, scene));
+        let earlier = motion.earlier_points(guides, frame.pixel);
         let max_history = self.changes.max_history * (1.0 - weight);
         let past_history = past.filter(|_| options.reprojection).map(|past| (&past.history, &earlier));
         let limits = self.changes.scene.then(|| temporal::plausible_luminances(frame.size(), &irradiance));
         let new = |irradiance| Samples { irradiance, count: samples as f32 };
         let history = History::new(frame, guides, new(&irradiance), past_history, max_history, limits.as_deref());
         clock.ends("reprojection");
+        let mut half = HalfFilm::new(film);
+        if options.firefly_filter {
+            fireflies::spread_fireflies(half.frame.size(), &half.guides, samples as f32, &mut half.irradiance);
+        }
+        let half_earlier = motion.earlier_points(&half.guides, half.frame.pixel);
+        let half_past = past.filter(|_| options.reprojection).map(|past| (&past.indirect, &half_earlier));
+        let limits = self.changes.scene.then(|| temporal::plausible_luminances(half.frame.size(), &half.irradiance));
+        let new_indirect = new(&half.irradiance);
+        let indirect = History::new(&half.frame, &half.guides, new_indirect, half_past, max_history, limits.as_deref());
+        let clean_indirect = match options.spatial_filter {
+            true => spatial::filter(&indirect, None, settles(samples), SMOOTH_REACH),
+            false => unfiltered(&indirect, &[]),
+        };
+        clock.ends("indirect light");
         let images = if has_facets { reflections::images(frame, guides, &reflected) } else { Vec::new() };
         let past_reflections = past.filter(|past| options.reprojection && !past.reflections.is_empty());
         let past_reflections = past_reflections.map(|past| (&past.history, past.reflections.as_slice(), &earlier));
@@ -121,10 +138,11 @@ impl CpuReconstruction {
         };
         clock.ends("reflections");
         let facets = has_facets.then_some((reflections.as_slice(), images.as_slice()));
-        let clean = match options.spatial_filter {
-            true => spatial::filter(&history, facets, settles(samples)),
+        let mut clean = match options.spatial_filter {
+            true => spatial::filter(&history, facets, settles(samples), DIRECT_REACH),
             false => unfiltered(&history, &reflections),
         };
+        half.add_to(film, &clean_indirect, &mut clean);
         clock.ends("spatial filter");
         let emitters =
             options.emitter_edges.then(|| EmitterLayer::new(&input.context(None), guides, size, first_sample));
@@ -151,7 +169,7 @@ impl CpuReconstruction {
         };
         clock.ends("mix with the film");
         self.passes = clock.passes;
-        self.present = Some(Reconstructed { scene: scene.clone(), history, reflections, shown });
+        self.present = Some(Reconstructed { scene: scene.clone(), history, indirect, reflections, shown });
         picture
     }
 

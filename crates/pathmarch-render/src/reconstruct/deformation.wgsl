@@ -28,5 +28,5 @@ fn find_earlier_surface(@builtin(global_invocation_id) id: vec3u) {
     // On the side of the camera, as the normal of the guide.
     let side = select(1.0, -1.0, dot(normal, moved.normal) < 0.0);
     let is_near = abs(found.distance) <= tolerance;
-    store_earlier(pixel, select(vec3f(NOWHERE), p, is_near), normal * side);
+    earlier_points[pixel] = earlier_words(SurfacePoint(select(vec3f(NOWHERE), p, is_near), normal * side));
 }

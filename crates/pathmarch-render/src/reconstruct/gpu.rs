@@ -43,6 +43,8 @@ pub(super) struct GpuReconstruction {
     /// Pass for objects that deform; `None` before there were any.
     deformation: Option<DeformationPass>,
     uniforms: wgpu::Buffer,
+    /// Those of passes at half the resolution.
+    half_uniforms: wgpu::Buffer,
     buffers: Option<Buffers>,
     /// Index of the present film's buffers.
     turn: usize,
@@ -57,18 +59,21 @@ pub(super) struct GpuReconstruction {
 
 impl GpuReconstruction {
     pub(super) fn new(device: &Arc<GpuContext>) -> Result<Self, RenderError> {
-        let uniforms = device.allocate(&wgpu::BufferDescriptor {
-            label: Some("reconstruction"),
-            size: size_of::<PassUniforms>() as u64,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })?;
+        let uniforms = || {
+            device.allocate(&wgpu::BufferDescriptor {
+                label: Some("reconstruction"),
+                size: size_of::<PassUniforms>() as u64,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
         Ok(Self {
             passes: Passes::new(device)?,
             facet_passes: None,
             deformation: None,
             device: device.clone(),
-            uniforms,
+            uniforms: uniforms()?,
+            half_uniforms: uniforms()?,
             buffers: None,
             turn: 0,
             past: None,
@@ -111,7 +116,7 @@ impl GpuReconstruction {
         display: &Display,
     ) -> Result<Option<Vec<u8>>, RenderError> {
         let has_facets = input.scene.materials.iter().any(|material| material.has(GLOSSY) && !material.has(DELTA));
-        if !self.reserve(u64::from(size[0]) * u64::from(size[1]), has_facets) {
+        if !self.reserve(size, has_facets) {
             return Ok(None);
         }
         if has_facets && self.facet_passes.is_none() {
@@ -126,6 +131,7 @@ impl GpuReconstruction {
             ..self.uniforms_of(film, &input.frame, weight, size, options, display)
         };
         self.device.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
+        self.device.queue.write_buffer(&self.half_uniforms, 0, bytemuck::bytes_of(&uniforms.at_half_the_size()));
         let records = motion.records(&input.scene);
         let leaf_motions = self.uploaded("leaf motions", &records)?;
         let codes = self.run(film, &leaf_motions, field_parameters.as_ref(), &uniforms, options)?;
@@ -187,13 +193,19 @@ impl GpuReconstruction {
         self.device.read(&copy, bytes, |bytes| bytemuck::cast_slice(bytes).to_vec())
     }
 
-    /// Allocates buffers for so many pixels; returns false if the device cannot.
-    fn reserve(&mut self, pixels: u64, has_facets: bool) -> bool {
-        let suffices = |buffers: &Buffers| buffers.pixels >= pixels && (buffers.facets.is_some() || !has_facets);
+    /// Allocates buffers for pictures of this size; returns false if the device cannot.
+    fn reserve(&mut self, size: [u32; 2], has_facets: bool) -> bool {
+        let product = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+        let pixels = [product(size), product(size.map(|side| side.div_ceil(2)))];
+        let suffices = |buffers: &Buffers| {
+            let is_large = (0..2).all(|k| buffers.pixels[k] >= pixels[k]);
+            is_large && (buffers.facets.is_some() || !has_facets)
+        };
         if self.buffers.as_ref().is_some_and(suffices) {
             return true;
         }
-        let pixels = self.buffers.as_ref().map_or(pixels, |buffers| buffers.pixels.max(pixels));
+        let larger = |buffers: &Buffers| std::array::from_fn(|k| buffers.pixels[k].max(pixels[k]));
+        let pixels = self.buffers.as_ref().map_or(pixels, larger);
         let Some(new) = Buffers::new(&self.device, pixels, has_facets) else {
             (self.buffers, self.past, self.present) = (None, None, None);
             return false;
@@ -279,6 +291,7 @@ impl GpuReconstruction {
             names: Vec::new(),
             sources: PassSources {
                 uniforms: &self.uniforms,
+                half_uniforms: &self.half_uniforms,
                 film: film.film,
                 leaf_motions,
                 field_parameters,
@@ -301,6 +314,15 @@ impl GpuReconstruction {
         recorder.spread_fireflies(passes, options, target);
         recorder.run("reprojection", &passes.accumulate, &[0, 2, 3, 5, 6, 7, 12], target);
         recorder.filter(&passes.filter, options, target);
+        let half = Target { layer: Layer::Half, source: 0, size: traced.map(|side| side.div_ceil(2)) };
+        recorder.run("indirect light", &passes.halve, &[0, 1, 2, 4, 17, 18, 19], Target { layer: Layer::Base, ..half });
+        if let (Some(pass), Some(_)) = (&self.deformation, field_parameters) {
+            recorder.run("deformation", &pass.pipeline, &[0, 2, 4, 12, 13], half);
+        }
+        recorder.spread_fireflies(passes, options, half);
+        recorder.run("indirect light", &passes.accumulate, &[0, 2, 3, 5, 6, 7, 12], half);
+        recorder.filter(&passes.filter_half, options, half);
+        recorder.run("indirect light", &passes.add_indirect, &[0, 2, 7, 17, 18], target);
         if let (Some(facets), Some(facet_passes)) = (facets, &self.facet_passes) {
             let (bytes, target) = (COLOUR_BYTES * pixels, Target { layer: Layer::Facets, ..target });
             recorder.encoder.copy_buffer_to_buffer(&buffers.estimates[0], 0, &facets.base, 0, bytes);

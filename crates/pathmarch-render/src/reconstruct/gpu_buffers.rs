@@ -18,9 +18,24 @@ pub(super) struct FacetBuffers {
     pub(super) images: wgpu::Buffer,
 }
 
-/// All buffers, for films and pictures of up to `pixels` pixels.
+/// Buffers for the indirect light of a film, at half the resolution.
+pub(super) struct HalfFilmBuffers {
+    pub(super) guides: wgpu::Buffer,
+    pub(super) history: wgpu::Buffer,
+}
+
+/// Buffers for the indirect light, at half the resolution.
+pub(super) struct HalfBuffers {
+    /// Those of the present film and of the one before.
+    pub(super) films: [HalfFilmBuffers; 2],
+    pub(super) estimates: [wgpu::Buffer; 2],
+    pub(super) earlier: wgpu::Buffer,
+}
+
+/// All buffers, for films and pictures of up to so many pixels.
 pub(super) struct Buffers {
-    pub(super) pixels: u64,
+    /// Number of pixels, and of those at half the resolution.
+    pub(super) pixels: [u64; 2],
     /// Those for the light of facets; `None` before there are any.
     pub(super) facets: Option<FacetBuffers>,
     /// Those of the present film and of the one before.
@@ -28,6 +43,7 @@ pub(super) struct Buffers {
     /// Estimates that a pass reads and those that it writes.
     pub(super) estimates: [wgpu::Buffer; 2],
     pub(super) earlier: wgpu::Buffer,
+    pub(super) half: HalfBuffers,
     pub(super) screen: wgpu::Buffer,
     pub(super) copy: wgpu::Buffer,
 }
@@ -45,15 +61,15 @@ pub(super) const SCREEN_BYTES: u64 = 4;
 
 impl Buffers {
     /// Allocates buffers, also for the light of facets if it is there; `None` if the device cannot.
-    pub(super) fn new(device: &Device, pixels: u64, has_facets: bool) -> Option<Self> {
+    pub(super) fn new(device: &Device, [pixels, half_pixels]: [u64; 2], has_facets: bool) -> Option<Self> {
         let limits = device.device.limits();
         if GUIDE_BYTES * pixels > limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) {
             return None;
         }
-        let buffer = |label, bytes: u64, usage| {
-            let size = bytes * pixels;
+        let sized = |label, size: u64, usage| {
             device.allocate(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false }).ok()
         };
+        let buffer = |label, bytes: u64, usage| sized(label, bytes * pixels, usage);
         let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let storage = wgpu::BufferUsages::STORAGE | copied;
         let film = || {
@@ -72,12 +88,24 @@ impl Buffers {
                 images: buffer("images", COLOUR_BYTES, storage)?,
             })
         };
+        let half = |label, bytes: u64| sized(label, bytes * half_pixels, storage);
+        let half_film = || {
+            Some(HalfFilmBuffers {
+                guides: half("half guides", GUIDE_BYTES)?,
+                history: half("half history", HISTORY_BYTES)?,
+            })
+        };
         Some(Self {
-            pixels,
+            pixels: [pixels, half_pixels],
             facets: if has_facets { Some(facets()?) } else { None },
             films: [film()?, film()?],
             estimates: [buffer("estimates", COLOUR_BYTES, storage)?, buffer("estimates", COLOUR_BYTES, storage)?],
             earlier: buffer("earlier points", EARLIER_BYTES, storage)?,
+            half: HalfBuffers {
+                films: [half_film()?, half_film()?],
+                estimates: [half("half estimates", COLOUR_BYTES)?, half("half estimates", COLOUR_BYTES)?],
+                earlier: half("half earlier points", EARLIER_BYTES)?,
+            },
             screen: buffer("screen", SCREEN_BYTES, storage)?,
             copy: buffer("screen copy", SCREEN_BYTES, readback)?,
         })
@@ -89,6 +117,11 @@ impl Buffers {
             device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("copy history") });
         for (new, old) in self.films.iter().zip(&old.films) {
             for (new, old) in [(&new.guides, &old.guides), (&new.history, &old.history), (&new.colours, &old.colours)] {
+                encoder.copy_buffer_to_buffer(old, 0, new, 0, old.size());
+            }
+        }
+        for (new, old) in self.half.films.iter().zip(&old.half.films) {
+            for (new, old) in [(&new.guides, &old.guides), (&new.history, &old.history)] {
                 encoder.copy_buffer_to_buffer(old, 0, new, 0, old.size());
             }
         }

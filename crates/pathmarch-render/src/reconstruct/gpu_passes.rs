@@ -2,8 +2,8 @@
 
 use super::gpu_buffers::{Buffers, FacetBuffers, FilmBuffers};
 use super::motion::LeafMotion;
-use super::spatial::STEPS;
-use super::{PassTime, ReconstructOptions, antialiasing, fireflies, motion, reflections, spatial, temporal};
+use super::spatial::{DIRECT_REACH, SMOOTH_REACH, STEPS};
+use super::{PassTime, ReconstructOptions, antialiasing, fireflies, indirect, motion, reflections, spatial, temporal};
 use crate::backend::gpu::shaders::{ShaderFile, shader_files, with_imports};
 use crate::backend::gpu::{Device, GpuTimer};
 use crate::error::RenderError;
@@ -70,13 +70,30 @@ shared_struct! {
     }
 }
 
+impl PassUniforms {
+    /// Uniforms of the passes for pictures of half the size.
+    pub(super) fn at_half_the_size(&self) -> Self {
+        Self {
+            width: self.width.div_ceil(2),
+            height: self.height.div_ceil(2),
+            pixel: 2.0 * self.pixel,
+            past_width: self.past_width.div_ceil(2),
+            past_height: self.past_height.div_ceil(2),
+            past_pixel: 2.0 * self.past_pixel,
+            ..*self
+        }
+    }
+}
+
 pub(super) static FILES: &[ShaderFile] = shader_files![
     "reconstruct/antialiasing" shares antialiasing::shared_wgsl,
     "reconstruct/base",
     "reconstruct/deformation",
+    "reconstruct/direct",
     "reconstruct/emitters",
     "reconstruct/facets",
     "reconstruct/history",
+    "reconstruct/indirect" shares indirect::shared_wgsl,
     "reconstruct/pass" shares || {
         [declaration::<PassUniforms>(), declaration::<LeafMotion>(), super::shared_wgsl(), temporal::shared_wgsl(),
             spatial::shared_wgsl(), fireflies::shared_wgsl(), motion::shared_wgsl(), emitter_coverage::shared_wgsl()]
@@ -95,6 +112,10 @@ pub(super) struct Passes {
     pub(super) spread_fireflies: wgpu::ComputePipeline,
     pub(super) accumulate: wgpu::ComputePipeline,
     pub(super) filter: FilterPasses,
+    pub(super) halve: wgpu::ComputePipeline,
+    /// Filter of the indirect light.
+    pub(super) filter_half: FilterPasses,
+    pub(super) add_indirect: wgpu::ComputePipeline,
     pub(super) remove_emitters: wgpu::ComputePipeline,
     pub(super) antialias: wgpu::ComputePipeline,
     pub(super) compare_with_film: wgpu::ComputePipeline,
@@ -110,12 +131,14 @@ pub(super) struct FilterPasses {
 }
 
 impl FilterPasses {
-    pub(super) fn new(gpu: &wgpu::Device, layer: &'static str) -> Self {
+    /// Kernels for a layer; `reach` is that of the luminance.
+    pub(super) fn new(gpu: &wgpu::Device, layer: &'static str, reach: f32) -> Self {
         let module = module(gpu, "reconstruct/spatial", layer);
+        let constants = |step: i32| [("STEP", f64::from(step)), ("LUMINANCE_REACH", f64::from(reach))];
         Self {
             start: pipeline(gpu, &module, "start_filter", &[]),
             smooth_variance: pipeline(gpu, &module, "smooth_variance", &[]),
-            filter: STEPS.map(|step| pipeline(gpu, &module, "filter_once", &[("STEP", f64::from(step))])),
+            filter: STEPS.map(|step| pipeline(gpu, &module, "filter_once", &constants(step))),
         }
     }
 }
@@ -139,7 +162,7 @@ impl FacetPasses {
             add_up_rows: pipeline(gpu, &module, "add_up_rows", &[]),
             find_images: pipeline(gpu, &module, "find_images", &[]),
             accumulate: pipeline(gpu, &module, "accumulate_reflected", &[]),
-            filter: FilterPasses::new(gpu, FACETS),
+            filter: FilterPasses::new(gpu, FACETS, SMOOTH_REACH),
         };
         device.end_scope(validation)?;
         Ok(passes)
@@ -215,13 +238,17 @@ impl Passes {
         let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
         let module = |file: &str| module(gpu, file, BASE);
         let pipeline = |module: &wgpu::ShaderModule, entry_point: &str| pipeline(gpu, module, entry_point, &[]);
-        let [temporal, spatial, show] = ["reconstruct/temporal", "reconstruct/spatial", "reconstruct/show"].map(module);
+        let [temporal, spatial, indirect, show] =
+            ["reconstruct/temporal", "reconstruct/spatial", "reconstruct/indirect", "reconstruct/show"].map(module);
         let passes = Self {
             divide: pipeline(&temporal, "divide"),
             find_fireflies: pipeline(&spatial, "find_fireflies"),
             spread_fireflies: pipeline(&spatial, "spread_fireflies"),
             accumulate: pipeline(&temporal, "accumulate"),
-            filter: FilterPasses::new(gpu, BASE),
+            filter: FilterPasses::new(gpu, BASE, DIRECT_REACH),
+            halve: pipeline(&indirect, "halve"),
+            filter_half: FilterPasses::new(gpu, BASE, SMOOTH_REACH),
+            add_indirect: pipeline(&indirect, "add_indirect"),
             remove_emitters: pipeline(&module("reconstruct/emitters"), "remove_emitters"),
             antialias: pipeline(&module("reconstruct/antialiasing"), "antialias"),
             compare_with_film: pipeline(&show, "compare_with_film"),
@@ -238,6 +265,8 @@ impl Passes {
 pub(super) enum Layer {
     Base,
     Facets,
+    /// Indirect light, at half the resolution.
+    Half,
 }
 
 /// Where a pass works: the layer, the estimates that it reads, and the size of the picture.
@@ -250,7 +279,9 @@ pub(super) struct Target {
 
 /// Buffers that passes bind.
 pub(super) struct PassSources<'a> {
+    /// Uniforms of the passes, and of those at half the resolution.
     pub(super) uniforms: &'a wgpu::Buffer,
+    pub(super) half_uniforms: &'a wgpu::Buffer,
     pub(super) film: &'a wgpu::Buffer,
     pub(super) leaf_motions: &'a wgpu::Buffer,
     pub(super) field_parameters: Option<&'a wgpu::Buffer>,
@@ -265,6 +296,21 @@ pub(super) struct PassSources<'a> {
 impl PassSources<'_> {
     fn buffer(&self, binding: u32, target: Target) -> &wgpu::Buffer {
         let ([present, past], buffers) = (self.films, self.buffers);
+        let half = &buffers.half;
+        let [half_present, half_past] = [&half.films[self.turn], &half.films[1 - self.turn]];
+        if target.layer == Layer::Half {
+            match binding {
+                0 => return self.half_uniforms,
+                2 => return &half_present.guides,
+                3 => return &half_past.guides,
+                5 => return &half_present.history,
+                6 => return &half_past.history,
+                7 => return &half.estimates[target.source],
+                8 => return &half.estimates[1 - target.source],
+                12 => return &half.earlier,
+                _ => {}
+            }
+        }
         let [history, past_history] = match (target.layer, self.facets) {
             (Layer::Facets, Some(facets)) => [&facets.histories[self.turn], &facets.histories[1 - self.turn]],
             _ => [&present.history, &past.history],
@@ -288,7 +334,10 @@ impl PassSources<'_> {
             14 => self.facets.map_or(&past.colours, |facets| &facets.base),
             15 => self.facets.map_or(&past.colours, |facets| &facets.images),
             // Without emitters, nothing reads it.
-            _ => self.coverages.unwrap_or(&past.colours),
+            16 => self.coverages.unwrap_or(&past.colours),
+            17 => &half_present.guides,
+            18 => &half.estimates[0],
+            _ => &half.earlier,
         }
     }
 }
@@ -341,15 +390,15 @@ impl PassRecorder<'_> {
     pub(super) fn filter(&mut self, passes: &FilterPasses, options: &ReconstructOptions, target: Target) {
         let images = if target.layer == Layer::Facets { &[15][..] } else { &[] };
         let [first, others] = [[0, 2, 5, 7], [0, 2, 7, 8]].map(|bindings| [&bindings, images].concat());
-        self.run("spatial filter", &passes.start, &first, target);
         let filters = std::iter::once(&passes.smooth_variance).chain(&passes.filter);
-        for (k, pipeline) in filters.filter(|_| options.spatial_filter).enumerate() {
-            self.run("spatial filter", pipeline, &others, Target { source: k % 2, ..target });
+        let filters: Vec<&wgpu::ComputePipeline> = filters.filter(|_| options.spatial_filter).collect();
+        let start = filters.len() % 2;
+        self.run("spatial filter", &passes.start, &first, Target { source: start, ..target });
+        for (k, pipeline) in filters.into_iter().enumerate() {
+            self.run("spatial filter", pipeline, &others, Target { source: (start + k) % 2, ..target });
         }
     }
 }
-
-const _: () = assert!(STEPS.len() % 2 == 1, "the last pass of the filter writes the estimates of index 0");
 
 /// Times of passes, those of one name added up.
 pub(super) fn pass_times(names: &[&'static str], times: &[Duration]) -> Vec<PassTime> {

@@ -1,7 +1,7 @@
 //! Reconstruction: a clean picture from few samples of a moving scene.
 //!
 //! **Idea.** Radiance is divided by the albedo of the guide, so that textures are not blurred; the result is called
-//! irradiance here. (1) `temporal`: every pixel finds its point in the last picture and continues the mean of the pixels
+//! irradiance here. Direct and `indirect` light are apart. (1) `temporal`: every pixel finds its point in the last picture and continues the mean of the pixels
 //! there, if they show the same point; `reflections` does so with the images in glossy surfaces. (2) `spatial`: neighbours
 //! on the same surface are averaged over a footprint that shrinks as the mean gets surer. (3) `antialiasing`: the picture
 //! is averaged with the last one, at up to twice the resolution of the samples. (4) `emitters`: lamps that the camera
@@ -25,6 +25,7 @@ mod fireflies;
 mod gpu;
 mod gpu_buffers;
 mod gpu_passes;
+mod indirect;
 mod motion;
 mod planes;
 mod reflections;
@@ -310,19 +311,25 @@ fn film_variance(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
     (guide.square - irradiance * irradiance).max(0.0) / samples
 }
 
-/// Mean square of the luminance of samples without the light of facets, whose mean is `base`. Both are taken for independent,
-/// so that it is rather too large.
-fn base_square(guide: &Guide, base: f32) -> f32 {
-    if !guide.has_facets() {
-        return guide.square;
-    }
+/// Mean square of the luminance of the direct light of samples, whose mean is `direct`. It has the variance of all light but
+/// that of facets, so that it is rather too large.
+fn direct_square(guide: &Guide, direct: f32) -> f32 {
+    direct * direct + variance_without_facets(guide, direct)
+}
+
+/// Variance of the luminance of samples without the light of facets, if `direct` is the mean of the direct light. Both are
+/// taken for independent.
+fn variance_without_facets(guide: &Guide, direct: f32) -> f32 {
     let [all, of_facets] = [guide.divisor(), guide.reflection_divisor()];
-    let unit = luminance(of_facets / all);
-    let mean = base + luminance(guide.reflected.radiance / all);
+    let mean = direct + luminance((guide.indirect + guide.reflected.radiance) / all);
     let variance = (guide.square - mean * mean).max(0.0);
+    if !guide.has_facets() {
+        return variance;
+    }
+    let unit = luminance(of_facets / all);
     let mean_of_facets = luminance(guide.reflected.radiance / of_facets);
     let variance_of_facets = (guide.reflected.square - mean_of_facets * mean_of_facets).max(0.0) * unit * unit;
-    base * base + (variance - variance_of_facets).max(LEAST_BASE_VARIANCE * variance)
+    (variance - variance_of_facets).max(LEAST_BASE_VARIANCE * variance)
 }
 
 /// Weight of a film of `samples` samples in a pixel with this mean luminance of the irradiance, from its own noise: near 1
@@ -335,9 +342,9 @@ fn settled_weight(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
     settled * (samples / SETTLING_SAMPLES).min(1.0)
 }
 
-/// Irradiance of a mean of the film; 0 if it is not finite, as for rejected samples.
-fn irradiance_of(mean: Vec3, guide: &Guide) -> Vec3 {
-    let irradiance = (mean - guide.reflected.radiance).max(Vec3::ZERO) / guide.divisor();
+/// Irradiance of the direct light of a mean of the film; 0 if it is not finite, as for rejected samples.
+fn direct_irradiance(mean: Vec3, guide: &Guide) -> Vec3 {
+    let irradiance = (mean - guide.reflected.radiance - guide.indirect).max(Vec3::ZERO) / guide.divisor();
     if irradiance.is_finite() { irradiance.min(Vec3::splat(MAX_IRRADIANCE)) } else { Vec3::ZERO }
 }
 

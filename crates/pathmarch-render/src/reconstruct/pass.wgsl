@@ -104,9 +104,26 @@ fn earlier(guide: Guide, pixel: u32) -> Guide {
     return moved;
 }
 
-/// Stores the point of a pixel in the earlier scene.
-fn store_earlier(pixel: u32, position: vec3f, normal: vec3f) {
-    earlier_points[pixel] = vec4u(bitcast<vec3u>(position), pack2x16snorm(octahedral(normal)));
+/// Point on a surface.
+struct SurfacePoint {
+    position: vec3f,
+    normal: vec3f,
+}
+
+/// Words of the point of a pixel in the earlier scene.
+fn earlier_words(point: SurfacePoint) -> vec4u {
+    return vec4u(bitcast<vec3u>(point.position), pack2x16snorm(octahedral(point.normal)));
+}
+
+/// Point of a guide where its object was in the earlier scene.
+fn moved_back(guide: Guide) -> SurfacePoint {
+    if guide.leaf == NO_LEAF || leaf_motions[guide.leaf].moves == 0u {
+        return SurfacePoint(guide.position, guide.normal);
+    }
+    let motion = leaf_motions[guide.leaf];
+    let rows = mat3x3f(motion.x, motion.y, motion.z);
+    let offset = vec3f(motion.offset_x, motion.offset_y, motion.offset_z);
+    return SurfacePoint(guide.position * rows * motion.scale + offset, guide.normal * rows);
 }
 
 /// True if a guide and one of the last picture show one place of one surface, to within a few sides of a pixel.

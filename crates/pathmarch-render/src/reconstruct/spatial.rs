@@ -11,15 +11,17 @@ use rayon::prelude::*;
 use wide::f32x8;
 
 /// Distances between the taps of the filter, pixels, one for each pass.
-pub(super) const STEPS: [i32; 3] = [1, 3, 7];
+pub(super) const STEPS: [i32; 2] = [1, 3];
 
 shared_constants! {
     /// Samples of a history that make its own variance trustworthy.
     const TRUSTED_SAMPLES: f32 = 4.0;
     /// Half the side of the square in which the variance of a young history is estimated, pixels.
     const VARIANCE_RADIUS: i32 = 2;
-    /// Difference of luminance, in standard deviations, at which the weight ends.
-    const LUMINANCE_REACH: f32 = 3.0;
+    /// Difference of luminance, in standard deviations, at which the weight ends for direct light, which has sharp shadows.
+    pub(super) const DIRECT_REACH: f32 = 2.0;
+    /// The same for indirect light and for that of facets.
+    pub(super) const SMOOTH_REACH: f32 = 3.0;
     /// Distance from a plane, in sides of a pixel for each pixel between the taps, at which the weight ends.
     const PLANE_REACH: f32 = 1.0;
 }
@@ -188,8 +190,13 @@ impl PairWeights {
 }
 
 /// Filtered radiance of the means of a history, and of those of the light of facets with their images if there is any;
-/// `settles` if the film has samples enough to show edges.
-pub(super) fn filter(history: &History, facets: Option<(&[PixelMean], &[Image])>, settles: bool) -> Vec<Vec3> {
+/// `settles` if the film has samples enough to show edges. `reach` is that of the luminance, in standard deviations.
+pub(super) fn filter(
+    history: &History,
+    facets: Option<(&[PixelMean], &[Image])>,
+    settles: bool,
+    reach: f32,
+) -> Vec<Vec3> {
     let grid = Grid::new(history.frame.size());
     let surfaces = &SurfacePlanes::new(grid, &history.guides, history.frame.pixel, settles);
     let mut weights = PairWeights::new(grid, surfaces, STEPS[0]);
@@ -206,11 +213,11 @@ pub(super) fn filter(history: &History, facets: Option<(&[PixelMean], &[Image])>
         if step != weights.step {
             weights = PairWeights::new(grid, surfaces, step);
         }
-        base = Estimates::of_eight(grid, |place| filtered(grid, &weights, &base, place));
+        base = Estimates::of_eight(grid, |place| filtered(grid, &weights, &base, place, reach));
         if let Some((estimates, reaches)) = &mut facets {
             let weights = weights.of_facets(grid, surfaces, reaches);
             *estimates = Estimates::of_eight(grid, |place| match reaches.has_any(place) {
-                true => filtered(grid, &weights, estimates, place),
+                true => filtered(grid, &weights, estimates, place, SMOOTH_REACH),
                 false => [f32x8::ZERO; 4],
             });
         }
@@ -236,7 +243,7 @@ fn colours_of(grid: Grid, estimates: &Estimates, row: usize) -> impl Fn(usize) -
 
 /// One pass at eight pixels.
 #[inline(always)]
-fn filtered(grid: Grid, weights: &PairWeights, estimates: &Estimates, place: Place) -> [f32x8; 4] {
+fn filtered(grid: Grid, weights: &PairWeights, estimates: &Estimates, place: Place, reach: f32) -> [f32x8; 4] {
     let here = estimates.lanes(place);
     let luminance_here = lane_luminance(here);
     let [mut r, mut g, mut b, mut variance] = here;
@@ -247,7 +254,7 @@ fn filtered(grid: Grid, weights: &PairWeights, estimates: &Estimates, place: Pla
         // The same for both, so that each gives the other as much as it takes.
         let deviation = (here[3] + there[3]).sqrt();
         let apart = (luminance_here - lane_luminance(there)).abs();
-        let difference = apart / (deviation * LUMINANCE_REACH + f32x8::splat(1e-6));
+        let difference = apart / (deviation * reach + f32x8::splat(1e-6));
         let weight = similarity * (f32x8::ONE - difference).max(f32x8::ZERO) * kernel;
         r += there[0] * weight;
         g += there[1] * weight;

@@ -3,6 +3,8 @@
 
 /// Distance between the taps of a pass of the filter, pixels.
 override STEP: i32 = 1;
+/// Difference of luminance, in standard deviations, at which the weight ends.
+override LUMINANCE_REACH: f32 = 2.0;
 
 /// Surface of pixels without noise.
 const NOT_FILTERED = 0xffffffffu;

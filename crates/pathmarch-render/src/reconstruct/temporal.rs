@@ -2,7 +2,7 @@
 
 use super::motion::{EarlierPoint, EarlierPoints};
 use super::planes::{BoxMeans, box_means};
-use super::{base_square, luminance};
+use super::{direct_square, luminance};
 use crate::integrator::guides::{Guide, GuideClass};
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
@@ -200,8 +200,7 @@ impl History {
         let past = past.filter(|_| max_length > 0.0);
         let join = |index: usize| {
             let guide = &guides[index];
-            let base = luminance(new.irradiance[index]);
-            let alone = PixelMean::alone(&new, index, base_square(guide, base));
+            let alone = PixelMean::alone(&new, index, direct_square(guide, luminance(new.irradiance[index])));
             let found = past.and_then(|(past, earlier)| {
                 past.find(&past.sought(guide, earlier.at(index, guide), frame), &past.means)
             });

@@ -1,4 +1,4 @@
-// import: reconstruct/history
+// import: reconstruct/direct, reconstruct/history
 // Reprojection and temporal accumulation. Twin of temporal.rs.
 
 /// Divides the radiance of a film by the albedo, moves the points of the guides back to the earlier scene, and looks up the
@@ -11,16 +11,9 @@ fn divide(@builtin(global_invocation_id) id: vec3u) {
     }
     let pixel = pixel_index(position);
     let guide = guide_at(pixel);
-    let rest = max(film_mean(id.xy, pixel) - guide.reflected, vec3f(0.0));
-    let irradiance = min(rest / divisor(guide), vec3f(MAX_IRRADIANCE));
+    let irradiance = direct_irradiance(id.xy, pixel, guide);
     estimates[pixel] = vec4f(irradiance, luminance(irradiance));
-    store_earlier(pixel, guide.position, guide.normal);
-    if guide.leaf != NO_LEAF && leaf_motions[guide.leaf].moves != 0u {
-        let motion = leaf_motions[guide.leaf];
-        let rows = mat3x3f(motion.x, motion.y, motion.z);
-        let offset = vec3f(motion.offset_x, motion.offset_y, motion.offset_z);
-        store_earlier(pixel, guide.position * rows * motion.scale + offset, guide.normal * rows);
-    }
+    earlier_points[pixel] = earlier_words(moved_back(guide));
     if guide.object != GLOSSY_BIT - 1u {
         let flags = guides[4u * pixel + 2u].x & ~(GLOSSY_BIT - 1u);
         guides[4u * pixel + 2u].x = flags | leaf_motions[guide.object].object;
@@ -39,7 +32,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     let pixel = pixel_index(position);
     let guide = guide_at(pixel);
     let irradiance = estimates[pixel].xyz;
-    let alone = new_mean(irradiance, base_square(guide, luminance(irradiance)));
+    let alone = new_mean(irradiance, direct_square(guide, luminance(irradiance)));
     history[pixel] = alone;
     if uniforms.max_history <= 0.0 {
         return;
@@ -63,21 +56,6 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     history[pixel] = joined(found, alone, limits, max_length);
-}
-
-/// Mean square of the luminance of samples without the light of facets, see mod.rs.
-fn base_square(guide: Guide, mean_of_base: f32) -> f32 {
-    if guide.alpha == 0.0 {
-        return guide.square;
-    }
-    let all = divisor(guide);
-    let of_facets = reflection_divisor(guide);
-    let unit = luminance(of_facets / all);
-    let mean = mean_of_base + luminance(guide.reflected / all);
-    let variance = max(guide.square - mean * mean, 0.0);
-    let mean_of_facets = luminance(guide.reflected / of_facets);
-    let variance_of_facets = max(guide.reflected_square - mean_of_facets * mean_of_facets, 0.0) * unit * unit;
-    return mean_of_base * mean_of_base + max(variance - variance_of_facets, LEAST_BASE_VARIANCE * variance);
 }
 
 /// Least and largest luminance that the mean of a pixel may have, judged from the samples around it.
