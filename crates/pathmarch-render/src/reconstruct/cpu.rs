@@ -1,9 +1,10 @@
 //! Reconstruction on the CPU.
 //!
-//! **Cost.** 0.2 to 0.8 of the time in which one sample is traced.
+//! **Cost.** 0.25 to 1 of the time in which one sample is traced.
 
 use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
 use super::emitters::{EmitterLayer, without_emitters};
+use super::film_view::FilmView;
 use super::indirect::HalfFilm;
 use super::motion::Motion;
 use super::planes::Grid;
@@ -14,7 +15,6 @@ use super::{
     direct_irradiance, film_variance, fireflies, luminance, motions, reflections, settled_weight, settles, spatial,
     temporal,
 };
-use crate::backend::RenderInput;
 use crate::integrator::guides::Guide;
 use crate::scene::RenderScene;
 use glam::{Vec3, Vec4Swizzles};
@@ -64,19 +64,6 @@ impl PassClock {
         self.last = Instant::now();
         self.passes.push(PassTime { name, seconds });
     }
-}
-
-/// Film of a sequence, as reconstruction reads it.
-pub(super) struct FilmView<'a> {
-    pub(crate) input: &'a RenderInput,
-    pub(crate) guides: &'a Arc<Vec<Guide>>,
-    pub(crate) means: &'a [Vec3],
-    /// Number of samples in each mean.
-    pub(crate) samples: u32,
-    /// Index of the first sample.
-    pub(crate) first_sample: u32,
-    /// Weight of the means themselves, 0 to 1.
-    pub(crate) weight: f32,
 }
 
 impl CpuReconstruction {

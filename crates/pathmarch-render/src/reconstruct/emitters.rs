@@ -8,7 +8,7 @@
 //! **Limits.** An emitter of which neighbouring pixels show but one sample is too small to be found in every picture; it
 //! stays in the rest. Emitters in mirrors and behind glass are parts of the rest, too.
 
-use super::cpu::FilmView;
+use super::film_view::FilmView;
 use super::planes::Grid;
 use crate::integrator::emitter_coverage::{
     Coverage, EmitterPlace, FULL_COVERAGE, MIN_EMITTER_SAMPLES, coverages, emitter_place,

@@ -4,7 +4,8 @@
 //! there twice, for the present film and for the one before. All of it stays on the device; the picture comes back as four
 //! bytes a pixel.
 //!
-//! **Cost.** 344 bytes of memory for each pixel, those of the tracer's guides included; 440 in scenes with glossy surfaces.
+//! **Cost.** 404 bytes of memory for each pixel, those of the tracer's guides included; 500 in scenes with glossy surfaces,
+//! and 16 more where emitters may be seen.
 //! A film whose buffers the device cannot allocate is not reconstructed.
 
 use super::gpu_buffers::{Buffers, COLOUR_BYTES, GUIDE_BYTES, SCREEN_BYTES};

@@ -10,7 +10,7 @@
 //!
 //! **Limits.** Light through glass, and that of facets, is not split.
 
-use super::cpu::FilmView;
+use super::film_view::FilmView;
 use super::planes::Grid;
 use super::{direct_irradiance, luminance, variance_without_facets};
 use crate::integrator::guides::{Guide, GuideClass};

@@ -21,6 +21,7 @@
 mod antialiasing;
 mod cpu;
 mod emitters;
+mod film_view;
 mod fireflies;
 mod gpu;
 mod gpu_buffers;
@@ -40,7 +41,8 @@ use crate::job::tracer::Tracer;
 use crate::output::tonemap::Display;
 use crate::scene::light;
 use crate::wgsl::shared_constants;
-use cpu::{CpuReconstruction, FilmView};
+use cpu::CpuReconstruction;
+use film_view::FilmView;
 use glam::Vec3;
 use gpu::GpuReconstruction;
 pub use sequence::{Frame, Sequence};
