@@ -108,15 +108,14 @@ pub(super) fn antialiased(
         factor: [size[0] as f32 / frame.width as f32, size[1] as f32 / frame.height as f32],
     };
     let upscaling = &upscaling;
-    let row = |y: u32| {
-        (0..size[0]).map(move |x| {
-            let point = [(x as f32 + 0.5) / upscaling.factor[0], (y as f32 + 0.5) / upscaling.factor[1]];
-            upscaling.pixel(point, last).extend(0.0)
-        })
+    let colour = |index: usize| {
+        let (x, y) = (index as u32 % size[0], index as u32 / size[0]);
+        let point = [(x as f32 + 0.5) / upscaling.factor[0], (y as f32 + 0.5) / upscaling.factor[1]];
+        upscaling.pixel(point, last).extend(0.0)
     };
     let colours = match (last, is_larger) {
         (None, false) => samples.iter().map(|sample| sample.extend(0.0)).collect(),
-        _ => (0..size[1]).into_par_iter().with_min_len(8).flat_map_iter(row).collect(),
+        _ => (0..(size[0] * size[1]) as usize).into_par_iter().with_min_len(1024).map(colour).collect(),
     };
     ShownPicture { size, colours }
 }

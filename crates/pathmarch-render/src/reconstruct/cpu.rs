@@ -83,7 +83,8 @@ impl CpuReconstruction {
         let mut irradiance: Vec<Vec3> = divided.collect();
         let has_facets = reflections::exist(guides);
         let of_facets = |guide: &Guide| guide.reflected.radiance / guide.reflection_divisor();
-        let mut reflected: Vec<Vec3> = guides.iter().filter(|_| has_facets).map(of_facets).collect();
+        let mut reflected: Vec<Vec3> =
+            if has_facets { guides.par_iter().with_min_len(4096).map(of_facets).collect() } else { Vec::new() };
         clock.ends("division by the albedo");
         if options.firefly_filter {
             for light in [&mut irradiance, &mut reflected].into_iter().filter(|light| !light.is_empty()) {

@@ -126,7 +126,7 @@ impl<const N: usize> Planes<N> {
 }
 
 /// Means over the squares around all pixels, of half this side, of four functions of a pixel.
-pub(super) fn box_means(size: [u32; 2], radius: i32, values: impl Fn(usize) -> [f32; 4] + Sync) -> Vec<BoxMeans> {
+pub(super) fn box_means(size: [u32; 2], radius: i32, values: impl Fn(usize) -> [f32; 4] + Sync) -> BoxMeans {
     let grid = Grid::new(size);
     let values = Planes::new(grid, [0.0; 5], |index| {
         let [a, b, c, d] = values(index);
@@ -148,12 +148,19 @@ pub(super) fn box_means(size: [u32; 2], radius: i32, values: impl Fn(usize) -> [
         let [a, b, c, d, count] = sums(&rows, place, [0, 1]);
         [a, b, c, d].map(|sum| sum / count)
     });
-    let row = |row: usize| {
-        let planes = [0, 1, 2, 3].map(|k| means.row(grid, k, row));
-        (0..grid.width as usize).map(move |x| BoxMeans(planes.map(|plane| plane[x])))
-    };
-    (0..grid.height as usize).flat_map(row).collect()
+    BoxMeans { width: grid.width as usize, means }
 }
 
-/// Means of [`box_means`] at a pixel.
-pub(super) struct BoxMeans(pub(super) [f32; 4]);
+/// Means of [`box_means`].
+pub(super) struct BoxMeans {
+    width: usize,
+    means: Planes<4>,
+}
+
+impl BoxMeans {
+    /// Means at the pixel of an index.
+    pub(super) fn at(&self, index: usize) -> [f32; 4] {
+        let (row, column) = (index / self.width, index % self.width + MARGIN);
+        std::array::from_fn(|k| self.means.numbers[(4 * row + k) * self.means.stride + column])
+    }
+}

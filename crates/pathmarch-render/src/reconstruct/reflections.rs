@@ -15,7 +15,7 @@
 //! way than the surface that refracts it, which is taken for the image.
 
 use super::motion::EarlierPoints;
-use super::planes::{BoxMeans, box_means};
+use super::planes::box_means;
 use super::temporal::{Clamp, History, PixelMean, SMOOTH_NEIGHBOURS, Samples, camera_moves, joined, smooth_neighbours};
 use super::{Changes, luminance};
 use crate::integrator::guides::Guide;
@@ -68,7 +68,8 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
         let weight = if guide.has_facets() { luminance(guide.reflected.radiance) + DARK_WEIGHT } else { 0.0 };
         [light, light * light, weight, weight * guide.reflected.depth]
     });
-    let image = |(index, BoxMeans([mean, square, weight, weighted_depth])): (usize, &BoxMeans)| {
+    let image = |index: usize| {
+        let [mean, square, weight, weighted_depth] = around.at(index);
         let guide = &guides[index];
         if !guide.has_facets() {
             return Image::default();
@@ -87,7 +88,7 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
             limits: [(mean - reach).max(0.0), mean + reach],
         }
     };
-    around.par_iter().enumerate().with_min_len(1024).map(image).collect()
+    (0..guides.len()).into_par_iter().with_min_len(1024).map(image).collect()
 }
 
 /// Mean curvature of a surface at a pixel, per metre; above 0 if it is convex. `None` if the surface is not smooth.

@@ -1,7 +1,7 @@
 //! Reprojection and temporal accumulation.
 
 use super::motion::{EarlierPoint, EarlierPoints};
-use super::planes::{BoxMeans, box_means};
+use super::planes::box_means;
 use super::{direct_square, luminance};
 use crate::integrator::guides::{Guide, GuideClass};
 use crate::scene::FrameUniforms;
@@ -179,11 +179,12 @@ pub(super) fn plausible_luminances(size: [u32; 2], irradiance: &[Vec3]) -> Vec<[
         let luminance = luminance(irradiance[index]);
         [luminance, luminance * luminance, 0.0, 0.0]
     });
-    let limits = |&BoxMeans([mean, square, ..]): &BoxMeans| {
+    let limits = |index: usize| {
+        let [mean, square, ..] = means.at(index);
         let reach = (square - mean * mean).max(0.0).sqrt() * PLAUSIBLE_REACH;
         [(mean - reach).max(0.0), mean + reach]
     };
-    means.iter().map(limits).collect()
+    (0..irradiance.len()).into_par_iter().with_min_len(4096).map(limits).collect()
 }
 
 impl History {
