@@ -158,8 +158,8 @@ impl Guide {
     }
 }
 
-/// Light as one word of memory has it: nine bits for each channel and a common exponent. It is smaller by up to 1/256 of its
-/// largest channel.
+/// Light as one word of memory has it: nine bits for each channel and a common exponent (Ward 1991). It is smaller by up to
+/// 1/256 of its largest channel.
 fn rounded(light: Vec3) -> Vec3 {
     let (kept, step) = (light.clamp(Vec3::ZERO, Vec3::splat(MAX_PACKED_LIGHT)), packed_step(light));
     (kept / step).trunc() * step
