@@ -143,6 +143,32 @@ fn a_moving_picture_is_small_and_grows_when_it_rests(backend: Backend) {
     assert!(film == expected.expect("a film"), "{backend:?}: moving leaves traces");
 }
 
+fn lamps_keep_their_light_while_the_view_moves(backend: Backend) {
+    let lamp = "material \"lamp\" { emit 0.9 }\nobject \"lamp\" material=\"lamp\" { sphere 0.5 { at 0 1.2 1 } }\nobject \"ball\"";
+    let text = SCENE.replace("sky 0.6 0.8 1", "sky 0.02").replace("irradiance 2", "irradiance 0.1");
+    let scene = Arc::new(parse(&text.replace("object \"ball\"", lamp)));
+    let mut live = Live::new(backend, None, || {});
+    let whole = request(&scene, [160, 90], 1);
+    live.show(whole.clone());
+    let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
+    until(&live, "a picture", |shown, status| shown.samples >= 1.0 && status.resting && on_gpu(status));
+    let mut camera = scene.cameras[0].clone();
+    for step in 0..12 {
+        camera.position[0] = 0.05 * step as f32;
+        let settings = Settings { viewpoint: Some(camera.clone()), ..whole.settings.clone() };
+        let number = live.show(RenderRequest { settings: settings.clone(), moving: true, ..whole.clone() });
+        let shown = until(&live, "a frame", |shown, _| shown.request == number);
+        // Most of the light is that of the lamp, whatever the size of the picture.
+        let linear = |code: u8| (f32::from(code) / 255.0).powf(2.2);
+        let mean = shown.codes.chunks(4).map(|codes| linear(codes[0])).sum::<f32>() / (shown.codes.len() / 4) as f32;
+        let still = Renderer::open(Backend::Cpu, None).expect("the CPU");
+        let still = still.render(&scene, &Settings { samples: 64, ..settings }).expect("a film").mean();
+        let expected = still.pixels.iter().map(|pixel| linear(whole.display.encode_8bit(*pixel)[0])).sum::<f32>();
+        let expected = expected / still.pixels.len() as f32;
+        assert!((mean / expected - 1.0).abs() < 0.03, "{backend:?}, {step}: {mean} for {expected}");
+    }
+}
+
 fn requests_faster_than_pictures_still_show_some(backend: Backend) {
     let scene = scene();
     let mut live = Live::new(backend, None, || {});
@@ -244,6 +270,7 @@ tests! {
         the_picture_equals_that_of_render_and_then_rests,
         an_automatic_exposure_is_that_of_the_film_at_rest,
         a_moving_picture_is_small_and_grows_when_it_rests,
+        lamps_keep_their_light_while_the_view_moves,
         requests_faster_than_pictures_still_show_some,
         a_changed_scene_is_shown,
     ],

@@ -9,6 +9,7 @@ use super::path_state::Path;
 use super::reflected_light::{ReflectedLight, ReflectionRecorder};
 use crate::intersect::ray::Ray;
 use crate::scene::TraceContext;
+use crate::scene::leaf::FRACTAL;
 use crate::scene::light::luminance;
 use crate::scene::material::{DELTA, GLOSSY, TRANSMITS};
 use crate::shading::surface_interaction::SurfaceInteraction;
@@ -76,8 +77,8 @@ pub(crate) struct Guide {
     pub(crate) is_glossy: bool,
     /// Light that the facets of a glossy surface reflect or refract; 0 elsewhere.
     pub(crate) reflected: ReflectedLight,
-    /// Light that other surfaces have scattered to one that scatters light, without that of facets; 0 elsewhere. Mean over the
-    /// samples.
+    /// Light that other surfaces have scattered to one that scatters light, without that of facets; 0 elsewhere, and on
+    /// fractals. Mean over the samples.
     pub(crate) indirect: Vec3,
     /// Index of the object; 0 for the sky.
     pub(crate) object: u32,
@@ -263,6 +264,8 @@ impl GuideRecorder {
         let (class, state) = match () {
             () if material.emits() => (GuideClass::Emitter, State::Done),
             () if is_glass => (GuideClass::Glass, State::BehindGlass),
+            // Nothing is smooth there at half the resolution.
+            () if leaf.has(FRACTAL) => (GuideClass::Surface, State::Done),
             () => (GuideClass::Surface, State::Scattered),
         };
         self.states[slot] = state;

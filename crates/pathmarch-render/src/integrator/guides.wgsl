@@ -100,7 +100,8 @@ fn record_guide(
     guide.normal = guide_mirrors * n;
     guide.seen_normal = guide.normal;
     guide.guide_class = select(select(GUIDE_SURFACE, GUIDE_GLASS, is_glass), GUIDE_EMITTER, (flags & EMITS) != 0u);
-    waits_for_indirect = guide.guide_class == GUIDE_SURFACE;
+    // Nothing is smooth on a fractal at half the resolution.
+    waits_for_indirect = guide.guide_class == GUIDE_SURFACE && (leaves[interaction.leaf].flags & FRACTAL) == 0u;
     guide.albedo = select(throughput * colour, vec3f(1.0), is_glass);
     guide.object = interaction.leaf;
     guide.seen_object = interaction.leaf;

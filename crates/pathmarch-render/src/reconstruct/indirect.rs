@@ -8,7 +8,7 @@
 //! **Source.** Indirect light apart and at half the resolution: Zhdan 2021, "ReBLUR: A Hierarchical Recurrent Denoiser";
 //! interpolation along surfaces: Kopf et al. 2007, "Joint Bilateral Upsampling".
 //!
-//! **Limits.** Light through glass, and that of facets, is not split.
+//! **Limits.** Light through glass, that of facets, and that of fractals is not split.
 
 use super::film_view::FilmView;
 use super::planes::Grid;

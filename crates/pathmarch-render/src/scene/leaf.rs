@@ -16,8 +16,8 @@ shared_struct! {
         pub(crate) material: u32,
         /// Origin of the local coordinates, in world space.
         pub(crate) origin: [f32; 3],
-        /// [`SHEET`], [`ANALYTIC`], [`IN_GLASS`], [`MESH_FIELD`] and [`TWO_SIDED`]. The bits from [`LIGHT_SHIFT`] on are one more than the index of
-        /// its light, or zero.
+        /// [`SHEET`], [`ANALYTIC`], [`IN_GLASS`], [`MESH_FIELD`], [`TWO_SIDED`] and [`FRACTAL`]. The bits from [`LIGHT_SHIFT`]
+        /// on are one more than the index of its light, or zero.
         pub(crate) flags: u32,
     }
 }
@@ -33,8 +33,10 @@ shared_constants! {
     pub(crate) const MESH_FIELD: u32 = 8;
     /// Triangles of a mesh that does not transmit: their backs look as their fronts do.
     pub(crate) const TWO_SIDED: u32 = 16;
+    /// Fractal, whose surface is rough from pixel to pixel.
+    pub(crate) const FRACTAL: u32 = 32;
     /// First bit of the light index in the flags.
-    pub(crate) const LIGHT_SHIFT: u32 = 5;
+    pub(crate) const LIGHT_SHIFT: u32 = 6;
 }
 
 impl LeafRecord {
@@ -83,6 +85,7 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
                 | flag_if(ANALYTIC, field.is_analytic_leaf(index))
                 | flag_if(IN_GLASS, in_glass[leaf.object as usize])
                 | flag_if(MESH_FIELD, is_mesh_field(scene, leaf))
+                | flag_if(FRACTAL, leaf.shape.has_orbit())
                 | flag_if(
                     TWO_SIDED,
                     (leaf.is_triangles() || leaf.is_lit_by_field()) && !in_glass[leaf.object as usize],
