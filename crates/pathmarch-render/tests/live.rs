@@ -152,6 +152,7 @@ fn lamps_keep_their_light_while_the_view_moves(backend: Backend) {
     live.show(whole.clone());
     let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
     until(&live, "a picture", |shown, status| shown.samples >= 1.0 && status.resting && on_gpu(status));
+    let still = Renderer::open(Backend::Cpu, None).expect("the CPU");
     let mut camera = scene.cameras[0].clone();
     for step in 0..12 {
         camera.position[0] = 0.05 * step as f32;
@@ -161,7 +162,6 @@ fn lamps_keep_their_light_while_the_view_moves(backend: Backend) {
         // Most of the light is that of the lamp, whatever the size of the picture.
         let linear = |code: u8| (f32::from(code) / 255.0).powf(2.2);
         let mean = shown.codes.chunks(4).map(|codes| linear(codes[0])).sum::<f32>() / (shown.codes.len() / 4) as f32;
-        let still = Renderer::open(Backend::Cpu, None).expect("the CPU");
         let still = still.render(&scene, &Settings { samples: 64, ..settings }).expect("a film").mean();
         let expected = still.pixels.iter().map(|pixel| linear(whole.display.encode_8bit(*pixel)[0])).sum::<f32>();
         let expected = expected / still.pixels.len() as f32;

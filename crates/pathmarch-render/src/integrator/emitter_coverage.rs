@@ -6,12 +6,11 @@
 //! **Limits.** An emitter of which the samples around a pixel show but one may be too small to be found in every picture; it
 //! has no edges.
 
-use super::emitter_edges::seen_emission;
+use super::emitter_edges::seen_by_further_rays;
 use super::guides::Guide;
 use super::path::SeenEmission;
 use crate::output::film::kept;
-use crate::sampling::sobol::hash;
-use crate::scene::{FrameUniforms, TraceContext};
+use crate::scene::TraceContext;
 use crate::wgsl::shared_constants;
 use glam::{Vec3, Vec4};
 
@@ -71,9 +70,7 @@ pub(crate) fn coverages(ctx: &TraceContext, pixels: &[(u32, u32)], sample: u32) 
     if pixels.is_empty() {
         return Vec::new();
     }
-    let frame = FrameUniforms { seed: hash(!ctx.frame.seed), ..*ctx.frame };
-    let run = sample.wrapping_mul(COVERAGE_RAYS);
-    let seen = seen_emission(&TraceContext { frame: &frame, ..*ctx }, pixels, run..run + COVERAGE_RAYS);
+    let seen = seen_by_further_rays(ctx, pixels, sample.wrapping_mul(COVERAGE_RAYS), COVERAGE_RAYS);
     let coverage = |seen: &[SeenEmission]| {
         let emitters = seen.iter().filter(|seen| seen.is_emitter);
         emitters.map(|seen| kept(seen.radiance).extend(1.0)).sum::<Vec4>() / COVERAGE_RAYS as f32

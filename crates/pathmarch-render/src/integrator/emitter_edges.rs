@@ -206,8 +206,20 @@ fn emission(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> V
     seen_emission(ctx, pixels, indices).into_iter().map(|seen| seen.radiance).collect()
 }
 
+/// What `count` camera rays through each of these pixels see, pixel by pixel, whose random numbers are not those of its
+/// samples.
+pub(super) fn seen_by_further_rays(
+    ctx: &TraceContext,
+    pixels: &[(u32, u32)],
+    first: u32,
+    count: u32,
+) -> Vec<SeenEmission> {
+    let frame = FrameUniforms { seed: hash(!ctx.frame.seed), ..*ctx.frame };
+    seen_emission(&TraceContext { frame: &frame, ..*ctx }, pixels, first..first + count)
+}
+
 /// What these camera rays through each of these pixels see, pixel by pixel.
-pub(super) fn seen_emission(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<SeenEmission> {
+fn seen_emission(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<SeenEmission> {
     let of_pixel = |&(x, y): &(u32, u32)| {
         let sampler = move |index: u32| pixel_sampler(ctx.frame, x, y, index);
         indices.clone().map(move |index| ((x, y), sampler(index)))
@@ -224,10 +236,9 @@ pub(crate) fn corrections(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32,
     }
     let ray = camera_ray_index(first, ctx.config.splitting);
     let own = emission(ctx, pixels, ray..ray + 1);
-    let frame = FrameUniforms { seed: hash(!ctx.frame.seed), ..*ctx.frame };
-    let run = ray.wrapping_mul(RAYS_PER_EDGE);
-    let further = emission(&TraceContext { frame: &frame, ..*ctx }, pixels, run..run + EDGE_RAYS);
-    let means = further.chunks(EDGE_RAYS as usize).map(|found| found.iter().sum::<Vec3>() / EDGE_RAYS as f32);
+    let further = seen_by_further_rays(ctx, pixels, ray.wrapping_mul(RAYS_PER_EDGE), EDGE_RAYS);
+    let mean = |seen: &[SeenEmission]| seen.iter().map(|seen| seen.radiance).sum::<Vec3>() / EDGE_RAYS as f32;
+    let means = further.chunks(EDGE_RAYS as usize).map(mean);
     let difference = |(mean, own): (Vec3, Vec3)| {
         let difference = samples as f32 * (mean - own);
         // The film rejects samples that are not finite.

@@ -16,7 +16,7 @@ use super::{
     temporal,
 };
 use crate::integrator::guides::Guide;
-use crate::scene::RenderScene;
+use crate::scene::{FrameUniforms, RenderScene};
 use glam::{Vec3, Vec4Swizzles};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -97,20 +97,21 @@ impl CpuReconstruction {
         let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.scene, scene));
         let earlier = motion.earlier_points(guides, frame.pixel);
         let max_history = self.changes.max_history * (1.0 - weight);
-        let past_history = past.filter(|_| options.reprojection).map(|past| (&past.history, &earlier));
-        let limits = self.changes.scene.then(|| temporal::plausible_luminances(frame.size(), &irradiance));
-        let new = |irradiance| Samples { irradiance, count: samples as f32 };
-        let history = History::new(frame, guides, new(&irradiance), past_history, max_history, limits.as_deref());
+        let continued = |frame: &FrameUniforms, guides, irradiance: &[Vec3], past: Option<(_, _)>| {
+            let past = past.filter(|_| options.reprojection);
+            let limits = self.changes.scene.then(|| temporal::plausible_luminances(frame.size(), irradiance));
+            let new = Samples { irradiance, count: samples as f32 };
+            History::new(frame, guides, new, past, max_history, limits.as_deref())
+        };
+        let history = continued(frame, guides, &irradiance, past.map(|past| (&past.history, &earlier)));
         clock.ends("reprojection");
         let mut half = HalfFilm::new(film);
         if options.firefly_filter {
             fireflies::spread_fireflies(half.frame.size(), &half.guides, samples as f32, &mut half.irradiance);
         }
         let half_earlier = motion.earlier_points(&half.guides, half.frame.pixel);
-        let half_past = past.filter(|_| options.reprojection).map(|past| (&past.indirect, &half_earlier));
-        let limits = self.changes.scene.then(|| temporal::plausible_luminances(half.frame.size(), &half.irradiance));
-        let new_indirect = new(&half.irradiance);
-        let indirect = History::new(&half.frame, &half.guides, new_indirect, half_past, max_history, limits.as_deref());
+        let half_past = past.map(|past| (&past.indirect, &half_earlier));
+        let indirect = continued(&half.frame, &half.guides, &half.irradiance, half_past);
         let clean_indirect = match options.spatial_filter {
             true => spatial::filter(&indirect, None, settles(samples), SMOOTH_REACH),
             false => unfiltered(&indirect, &[]),
@@ -121,7 +122,14 @@ impl CpuReconstruction {
         let past_reflections = past_reflections.map(|past| (&past.history, past.reflections.as_slice(), &earlier));
         let changes = Changes { max_history, ..self.changes };
         let reflections = match has_facets {
-            true => reflections::accumulated(frame, guides, &images, new(&reflected), past_reflections, &changes),
+            true => reflections::accumulated(
+                frame,
+                guides,
+                &images,
+                Samples { irradiance: &reflected, count: samples as f32 },
+                past_reflections,
+                &changes,
+            ),
             false => Vec::new(),
         };
         clock.ends("reflections");

@@ -20,8 +20,9 @@ use rayon::prelude::*;
 
 /// Emitters of a picture. It may be larger than its samples.
 pub(super) struct EmitterLayer {
-    /// Pixel of the samples for each pixel of the picture.
-    sample_of: Vec<u32>,
+    /// Sizes of the picture and of its samples, pixels.
+    size: [u32; 2],
+    samples: [u32; 2],
     coverages: Vec<Coverage>,
 }
 
@@ -37,18 +38,13 @@ impl EmitterLayer {
         if ctx.config.media || !guides.iter().any(Guide::is_seen_emitter) {
             return None;
         }
-        let samples = Grid::new(ctx.frame.size());
-        let place = |index: usize| emitter_place(&guides[index], square(samples, index).map(|there| &guides[there]));
+        let (samples, grid) = (ctx.frame.size(), Grid::new(ctx.frame.size()));
+        let place = |index: usize| emitter_place(&guides[index], square(grid, index).map(|there| &guides[there]));
         let places: Vec<EmitterPlace> = (0..guides.len()).into_par_iter().with_min_len(4096).map(place).collect();
         let frame = FrameUniforms { width: size[0], height: size[1], ..*ctx.frame };
         let ctx = TraceContext { frame: &frame, ..*ctx };
-        let sample_of: Vec<u32> = (0..size[1])
-            .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
-            .map(|at| sample_at(at, size, samples))
-            .collect();
         let of_row = |y: u32| {
-            let row = &sample_of[(y * size[0]) as usize..][..size[0] as usize];
-            let place = |x: u32| places[row[x as usize] as usize];
+            let place = |x: u32| places[sample_at([x, y], size, samples)];
             let edges: Vec<(u32, u32)> =
                 (0..size[0]).filter(|&x| place(x) == EmitterPlace::Edge).map(|x| (x, y)).collect();
             let mut at_edges = coverages(&ctx, &edges, sample).into_iter();
@@ -60,26 +56,27 @@ impl EmitterLayer {
             (0..size[0]).map(coverage).collect::<Vec<_>>()
         };
         let rows: Vec<Vec<Coverage>> = (0..size[1]).into_par_iter().map(of_row).collect();
-        Some(Self { coverages: rows.concat(), sample_of })
+        Some(Self { size, samples, coverages: rows.concat() })
     }
 
     /// A colour of the rest of the picture at this pixel, with the emitters in front of it.
     pub(super) fn over(&self, film: &FilmView, index: usize, colour: Vec3) -> Vec3 {
         let coverage = self.coverages[index];
         if coverage.w == FULL_COVERAGE {
-            return film.means[self.sample_of[index] as usize];
+            let [x, y] = [index as u32 % self.size[0], index as u32 / self.size[0]];
+            return film.means[sample_at([x, y], self.size, self.samples)];
         }
         colour * (1.0 - coverage.w) + coverage.xyz()
     }
 }
 
-/// Pixel of the samples at a pixel of a picture of this size.
-fn sample_at((x, y): (u32, u32), size: [u32; 2], samples: Grid) -> u32 {
-    let at = |k: u32, length: u32, samples: i32| {
-        let factor = length as f32 / samples as f32;
-        (((k as f32 + 0.5) / factor) as u32).min(samples as u32 - 1)
-    };
-    at(y, size[1], samples.height) * samples.width as u32 + at(x, size[0], samples.width)
+/// Index of the sample at a pixel of a picture of this size.
+fn sample_at(pixel: [u32; 2], size: [u32; 2], samples: [u32; 2]) -> usize {
+    let [x, y]: [u32; 2] = std::array::from_fn(|k| {
+        let factor = size[k] as f32 / samples[k] as f32;
+        (((pixel[k] as f32 + 0.5) / factor) as u32).min(samples[k] - 1)
+    });
+    (y * samples[0] + x) as usize
 }
 
 /// Colours without emitters: a pixel that shows one has the mean of those around it that show none.

@@ -265,7 +265,7 @@ impl GpuReconstruction {
             new_weight: antialiasing::new_weight(film.samples),
             has_facets: 0,
             past_has_facets: u32::from(past.is_some_and(|past| past.has_facets)),
-            has_emitters: u32::from(film.coverages.is_some() && options.emitter_edges),
+            has_emitters: u32::from(film.coverages.is_some()),
             padding: 0,
         }
     }

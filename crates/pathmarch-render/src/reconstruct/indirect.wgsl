@@ -6,15 +6,15 @@
 @group(0) @binding(18) var<storage, read_write> half_estimates: array<vec4f>;
 @group(0) @binding(19) var<storage, read_write> half_earlier: array<vec4u>;
 
-/// Width of the picture of half the size.
-fn half_width() -> u32 {
-    return (uniforms.width + 1u) / 2u;
+/// Size of the picture of half the size.
+fn half_size() -> vec2u {
+    return (vec2u(uniforms.width, uniforms.height) + 1u) / 2u;
 }
 
 /// Averages the indirect light of blocks of 2x2 pixels.
 @compute @workgroup_size(8, 8)
 fn halve(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= vec2u(half_width(), (uniforms.height + 1u) / 2u)) {
+    if any(id.xy >= half_size()) {
         return;
     }
     // What is in front counts, so that thin objects have light; but the mean of several surfaces is that of none.
@@ -31,7 +31,7 @@ fn halve(@builtin(global_invocation_id) id: vec3u) {
             }
         }
     }
-    let pixel = id.y * half_width() + id.x;
+    let pixel = id.y * half_size().x + id.x;
     var averaged = front;
     var irradiance = vec3f(0.0);
     if front.guide_class == GUIDE_SURFACE {
@@ -99,7 +99,7 @@ fn add_indirect(@builtin(global_invocation_id) id: vec3u) {
     if guide.guide_class != GUIDE_SURFACE {
         return;
     }
-    let size = vec2i(i32(half_width()), i32((uniforms.height + 1u) / 2u));
+    let size = vec2i(half_size());
     let beside = 2 * (position % 2) - 1;
     var sum = vec3f(0.0);
     var total = 0.0;

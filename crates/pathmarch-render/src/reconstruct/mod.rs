@@ -1,12 +1,12 @@
 //! Reconstruction: a clean picture from few samples of a moving scene.
 //!
 //! **Idea.** Radiance is divided by the albedo of the guide, so that textures are not blurred; the result is called
-//! irradiance here. Direct and `indirect` light are apart. (1) `temporal`: every pixel finds its point in the last picture and continues the mean of the pixels
-//! there, if they show the same point; `reflections` does so with the images in glossy surfaces. (2) `spatial`: neighbours
-//! on the same surface are averaged over a footprint that shrinks as the mean gets surer. (3) `antialiasing`: the picture
-//! is averaged with the last one, at up to twice the resolution of the samples. (4) `emitters`: lamps that the camera
-//! sees are laid over it. (5) Once nothing moves, the plain mean of
-//! a film that was started there takes over, and the picture is then the one that a still render gives.
+//! irradiance here. Direct and `indirect` light are apart. (1) `temporal`: every pixel finds its point in the last picture
+//! and continues the mean of the pixels there, if they show the same point; `reflections` does so with the images in glossy
+//! surfaces. (2) `spatial`: neighbours on the same surface are averaged over a footprint that shrinks as the mean gets
+//! surer. (3) `antialiasing`: the picture is averaged with the last one, at up to twice the resolution of the samples.
+//! (4) `emitters`: lamps that the camera sees are laid over it. (5) Once nothing moves, the plain mean of a film that was
+//! started there takes over, and the picture is then that of a still render with the same estimator.
 //!
 //! Each step is written twice, for the CPU and in WGSL, and tests compare them: `cpu` and `gpu` run the steps.
 //!
@@ -209,7 +209,9 @@ impl Reconstruction {
                 Ok(Some(buffer.unwrap_or_else(|| display.encode_rgba(&picture))))
             }
             Tracer::Gpu(job) => {
-                let Some(film) = job.reconstructed_film(size)? else { return Ok(None) };
+                let Some(film) = job.reconstructed_film(options.emitter_edges.then_some(size))? else {
+                    return Ok(None);
+                };
                 if self.gpu.as_ref().is_none_or(|gpu| !gpu.is_on(film.device)) {
                     let mut gpu = GpuReconstruction::new(film.device)?;
                     if self.times_passes {

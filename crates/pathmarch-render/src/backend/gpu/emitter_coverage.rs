@@ -21,7 +21,7 @@ pub(super) struct CoveragePass {
 /// Coverages of a picture.
 pub(super) struct Coverages {
     /// Vector of each pixel, see [`Coverage`](crate::integrator::emitter_coverage::Coverage).
-    pub(super) buffer: wgpu::Buffer,
+    buffer: wgpu::Buffer,
     bindings: wgpu::BindGroup,
 }
 
@@ -29,8 +29,13 @@ pub(super) struct Coverages {
 const COVERAGE_BYTES: u64 = 16;
 
 impl CoveragePass {
-    /// Starts to find the coverages of a picture of this size.
-    pub(super) fn start(&mut self, device: &Device, size: [u32; 2], first_sample: u32) -> Result<(), RenderError> {
+    /// Starts to find the coverages of a picture of this size. Returns their buffer, which may be larger.
+    pub(super) fn start(
+        &mut self,
+        device: &Device,
+        size: [u32; 2],
+        first_sample: u32,
+    ) -> Result<&wgpu::Buffer, RenderError> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let bytes = COVERAGE_BYTES * pixels;
         let coverages = match self.coverages.take().filter(|coverages| coverages.buffer.size() >= bytes) {
@@ -50,8 +55,7 @@ impl CoveragePass {
             pass.dispatch_workgroups(groups.min(MAX_GROUPS_ACROSS), groups.div_ceil(MAX_GROUPS_ACROSS), 1);
         }
         device.queue.submit([encoder.finish()]);
-        self.coverages = Some(coverages);
-        Ok(())
+        Ok(&self.coverages.insert(coverages).buffer)
     }
 
     /// Buffer for so many bytes of coverages.

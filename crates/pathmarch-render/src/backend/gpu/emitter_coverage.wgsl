@@ -1,7 +1,7 @@
-// import: backend/gpu/buffers, backend/gpu/film, guides, integrator/camera, integrator/camera_emission, integrator/emitter_coverage
-// Entry point: coverage of the pixels of a live picture by emitters, in place of the film. Twin of
-// `EmitterLayer` in reconstruct/emitters.rs. Eight lanes trace the rays of a pixel, and look at the eight samples around its
-// own.
+// import: backend/gpu/buffers, backend/gpu/film, guides, integrator/camera, integrator/camera_emission
+// import: integrator/emitter_coverage
+// Entry point: coverage of the pixels of a live picture by emitters, in place of the film. Twin of `EmitterLayer` in
+// reconstruct/emitters.rs. Eight lanes trace the rays of a pixel, and look at the eight samples around its own.
 
 /// Emission along the ray of each lane, and what it found beside the pixel.
 var<workgroup> emissions: array<vec4f, 64>;

@@ -151,7 +151,7 @@ pub(crate) struct ReconstructedFilm<'a> {
     pub(crate) device: &'a Arc<GpuContext>,
     pub(crate) film: &'a wgpu::Buffer,
     pub(crate) guides: &'a wgpu::Buffer,
-    /// Coverages of the pixels of the picture by emitters; `None` if it cannot show any.
+    /// Coverages of the pixels of the picture by emitters; `None` if they are not wanted, or if it cannot show any.
     pub(crate) coverages: Option<&'a wgpu::Buffer>,
     /// Samples of every pixel.
     pub(crate) samples: u32,
@@ -376,15 +376,20 @@ impl GpuJob {
         pass.show(&self.device, buffers, self.size, self.submitted, display, mode)
     }
 
-    /// Film so far, if its guides are recorded, for a picture of this size. Waits for all submissions.
-    pub(crate) fn reconstructed_film(&mut self, size: [u32; 2]) -> Result<Option<ReconstructedFilm<'_>>, RenderError> {
+    /// Film so far, if its guides are recorded; with coverages for a picture of this size, if one is given. Waits for all
+    /// submissions.
+    pub(crate) fn reconstructed_film(
+        &mut self,
+        covered: Option<[u32; 2]>,
+    ) -> Result<Option<ReconstructedFilm<'_>>, RenderError> {
         self.wait()?;
-        if let Some(coverage) = self.coverage.as_mut().filter(|_| self.guides.is_some()) {
-            coverage.start(&self.device, size, self.first_sample)?;
-        }
+        let coverage = self.coverage.as_mut().filter(|_| self.guides.is_some());
+        let coverages = match (coverage, covered) {
+            (Some(pass), Some(size)) => Some(pass.start(&self.device, size, self.first_sample)?),
+            _ => None,
+        };
         let Progress { samples, begun, row, column } = self.submitted;
         let (device, film) = (&self.device, &self.film);
-        let coverages = self.coverage.as_ref().and_then(|pass| Some(&pass.coverages.as_ref()?.buffer));
         let of = |guides| ReconstructedFilm { device, film, guides, coverages, samples, begun, row, column };
         Ok(self.guides.as_ref().map(of))
     }
