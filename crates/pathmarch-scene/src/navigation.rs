@@ -42,15 +42,21 @@ fn turned(camera: &Camera, direction: Vec3, yaw: f32, pitch: f32) -> Vec3 {
     Quat::from_axis_angle(up, yaw) * Quat::from_axis_angle(right, pitch) * direction
 }
 
-/// Orbits about the target by radians left and up, as seen from it.
+/// Orbits about the target by radians left and up, as seen from it; zero angles change nothing, not even by rounding.
 pub fn orbit(camera: &mut Camera, yaw: f32, pitch: f32) {
+    if [yaw, pitch] == [0.0; 2] {
+        return;
+    }
     let away = distance(camera);
     let forward = turned(camera, axes(camera).forward, yaw, pitch);
     camera.position = (Vec3::from(camera.target) - forward * away).into();
 }
 
-/// Turns the view direction by radians left and up; the position stays.
+/// Turns the view direction by radians left and up; the position stays. Zero angles change nothing, not even by rounding.
 pub fn look(camera: &mut Camera, yaw: f32, pitch: f32) {
+    if [yaw, pitch] == [0.0; 2] {
+        return;
+    }
     let away = distance(camera);
     let forward = turned(camera, axes(camera).forward, yaw, pitch);
     camera.target = (Vec3::from(camera.position) + forward * away).into();
@@ -63,8 +69,11 @@ pub fn pan(camera: &mut Camera, x: f32, y: f32) {
     shift(camera, (up * y - right * x) * height);
 }
 
-/// Scales the distance to the target.
+/// Scales the distance to the target; a factor of 1 changes nothing, not even by rounding.
 pub fn dolly(camera: &mut Camera, factor: f32) {
+    if factor == 1.0 {
+        return;
+    }
     let target = Vec3::from(camera.target);
     let away = (Vec3::from(camera.position) - target) * factor.clamp(0.05, 20.0);
     let away = away.clamp_length(1e-4, 1e6);
@@ -135,6 +144,22 @@ mod tests {
         look(&mut looked, std::f32::consts::FRAC_PI_2, 0.0);
         assert_near(looked.position, camera().position);
         assert_near(looked.target, [-4.0, 1.0, 4.0]);
+    }
+
+    #[test]
+    fn a_drag_that_stands_still_does_not_move_the_camera() {
+        let mut turned = camera();
+        for step in 0..200 {
+            orbit(&mut turned, 0.1, 0.01);
+            look(&mut turned, 0.02, 0.0);
+            let before = turned.clone();
+            orbit(&mut turned, 0.0, 0.0);
+            look(&mut turned, 0.0, -0.0);
+            pan(&mut turned, 0.0, 0.0);
+            dolly(&mut turned, 1.0);
+            fly(&mut turned, Vec3::ZERO, 0.1, 1.0);
+            assert_eq!(turned, before, "after {step} steps");
+        }
     }
 
     #[test]

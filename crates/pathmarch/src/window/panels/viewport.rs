@@ -220,10 +220,7 @@ impl App {
             navigation::look(camera, -delta.x * angle, -delta.y * angle);
         }
         if response.contains_pointer() {
-            let factor = (-scroll * 0.002).exp() / zoom;
-            if factor != 1.0 {
-                navigation::dolly(camera, factor);
-            }
+            navigation::dolly(camera, (-scroll * 0.002).exp() / zoom);
         }
         if *camera != before {
             open.view.mark_moving();
