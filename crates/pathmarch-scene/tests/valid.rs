@@ -203,6 +203,27 @@ fn large_numbers_are_doubted() {
     assert_eq!([warnings("unit \"m\"", 250.0), warnings("", 1e6)], [0, 0]);
 }
 
+/// A number of turns that was most likely meant in degrees.
+#[test]
+fn many_turns_are_doubted() {
+    let doubts = |shape: &str| {
+        let warnings = body(&format!("object \"a\" {{ {shape} }}")).warnings;
+        warnings.into_iter().filter(|warning| warning.code == "pathmarch::many_turns").collect::<Vec<_>>()
+    };
+    let bar = "box 1 2 1 { at 0 1 0 }";
+    let doubt = &doubts(&format!("twist 60 {{ {bar} }}"))[0];
+    assert!(doubt.help.as_ref().is_some_and(|help| help.contains("60° per metre are 0.167")), "{doubt:?}");
+    assert_eq!(doubts(&format!("bend 45 {{ {bar} }}")).len(), 1);
+    // A thread of 1.25 mm, and a drill.
+    for meant in [
+        format!("twist 0.167 {{ {bar} }}"),
+        "twist 800 { box 0.008 0.03 0.008 }".into(),
+        "twist 10 { box 0.2 9 0.2 }".into(),
+    ] {
+        assert_eq!(doubts(&meant).len(), 0, "{meant}");
+    }
+}
+
 /// Every name of every setting is read as what it names.
 #[test]
 fn named_settings() {

@@ -76,7 +76,7 @@ object "drops" material="red" {
     sphere 0.45 { at "0.6 - 0.4*min(t, 1)" 0.6 0 }
   }
 }
-object "bar" material="blue" { twist "120*min(t, 1)" { box 0.35 1.6 0.35; at 1.2 0.8 -0.8 } }
+object "bar" material="blue" { twist "0.2*min(t, 1)" { box 0.35 1.6 0.35; at 1.2 0.8 -0.8 } }
 "#;
 
 /// Built-in flights: name, scene, degrees by which the camera turns.

@@ -428,7 +428,7 @@ mod tests {
     #[test]
     fn passes_are_valid_and_within_the_default_limits() {
         let scene = "pathmarch 1\ncamera { position 0 1 5; target 0 0 0 }\nsky 1\nobject \"drops\" {\n\
-            union smooth=0.3 { sphere 0.5 { at 0.5 1 0 }; twist 90 { box 0.5 } } }\nobject \"fractal\" { mandelbulb }";
+            union smooth=0.3 { sphere 0.5 { at 0.5 1 0 }; twist 0.25 { box 0.5 } } }\nobject \"fractal\" { mandelbulb }";
         let field = Scene::parse("test.kdl", scene).expect("a scene").field;
         let deformation = DeformationPass::code(&Program::new(&field.of_objects(&[0, 1])));
         for (file, layer) in FILES.iter().flat_map(|file| [(file, BASE), (file, FACETS)]) {

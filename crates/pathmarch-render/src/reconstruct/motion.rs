@@ -254,7 +254,7 @@ mod tests {
 
     #[test]
     fn objects_below_modifiers_move_as_a_whole() {
-        let at = |x: f32| scene(&format!("object \"twisted\" {{ twist 90 {{ box 0.4 1 0.4; at {x} 1 0 }} }}"));
+        let at = |x: f32| scene(&format!("object \"twisted\" {{ twist 0.25 {{ box 0.4 1 0.4; at {x} 1 0 }} }}"));
         let motion = Motion::new(&at(0.0), &at(0.3));
         assert!(motion.earlier_field.is_none());
         let guide = Guide { position: Vec3::new(0.5, 1.0, 0.0), normal: Vec3::X, leaf: 1, ..Guide::NONE };

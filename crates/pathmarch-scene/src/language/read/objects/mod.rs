@@ -31,7 +31,7 @@ use pathmarch_field::Outline;
 use pathmarch_field::graph::Kind;
 use pathmarch_field::outline::NUMBERS_OF_ARC;
 use pathmarch_field::{
-    Blend, BlendProfile, Field, Modifier, Node as FieldNode, Operator, Placement, ShapeRef, Solid, registry,
+    Aabb, Blend, BlendProfile, Field, Modifier, Node as FieldNode, Operator, Placement, ShapeRef, Solid, registry,
 };
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -41,6 +41,9 @@ pub(crate) const MAX_SHAPES: usize = 100_000;
 
 /// Largest number of segments of all outlines: their tables must fit the memory that a GPU binds at once.
 const MAX_SEGMENTS: usize = 100_000;
+
+/// Parameter of modifiers that turn their shapes.
+const TURNS: &str = "turns-per-metre";
 
 /// Turns object nodes into objects.
 pub(crate) struct Solids<'m> {
@@ -414,6 +417,9 @@ impl<'m> Solids<'m> {
             context.report.add(mistake.help("Cut it first: intersect { box 10 1 10; … }."));
             return None;
         }
+        if let Some(at) = modifier.params().iter().position(|param| param.name == TURNS) {
+            warn_of_degrees(node, params[at], Field::new(&children).bounds(), context);
+        }
         Some(FieldNode { kind: Kind::Modifier { modifier, params, children }, placement })
     }
 
@@ -441,6 +447,20 @@ impl<'m> Solids<'m> {
             context.report.add(mistake.label("expected shapes in its braces"));
         }
         (placement.value, children, written)
+    }
+}
+
+/// Warns of a twist or bend whose number was most likely meant in degrees: its shapes would make many turns within their own
+/// width.
+fn warn_of_degrees(node: &Node, turns_per_metre: f32, inside: Aabb, context: &mut Context) {
+    const MANY_TURNS: f32 = 8.0;
+    let reach = [0, 2].map(|axis| inside.min[axis].abs().max(inside.max[axis].abs()));
+    if inside.is_finite() && turns_per_metre.abs() * reach[0].max(reach[1]) > MANY_TURNS {
+        let message = format!("A `{}` of {turns_per_metre} turns within each metre.", node.name.value);
+        let warning = draft("pathmarch::many_turns", node.name.span, message).label("are these degrees?");
+        let turns = turns_per_metre / 360.0;
+        let help = format!("The number is in turns per metre: {turns_per_metre}° per metre are {turns:.3}.");
+        context.report.warn(warning.help(help));
     }
 }
 
