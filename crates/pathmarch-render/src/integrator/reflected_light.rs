@@ -60,6 +60,12 @@ pub(super) struct ReflectionRecorder {
     far: f32,
 }
 
+/// An alpha as the word of a guide has it on GPUs: its root in eight bits, 0 only if it is 0.
+fn rounded_alpha(alpha: f32) -> f32 {
+    let root = (alpha.sqrt() * 255.0).round().max(1.0) / 255.0;
+    if alpha > 0.0 { root * root } else { 0.0 }
+}
+
 /// Light of the facets at the surface of a path.
 struct Reflection {
     /// True if the surface waits for its samples.
@@ -120,7 +126,7 @@ impl ReflectionRecorder {
         let wo = local_viewer(local_from_world, -path.ray.direction);
         self.slots[path.slot] = Some(Reflection {
             waits: true,
-            alpha,
+            alpha: rounded_alpha(alpha),
             is_coloured: (facets.are_coloured)(&parameters),
             surface: FacetedSurface { facets, parameters, local_from_world, wo, inside: interaction.inside },
             length: path.length,

@@ -7,6 +7,6 @@ fn is_in_layer(guide: Guide) -> bool {
 }
 
 /// Weight of two pixels as parts of one reflection.
-fn shared_reflection(a: u32, b: u32, apart: vec3f, side: f32) -> f32 {
+fn shared_reflection(a: Guide, b: Guide, pixels: vec2u, apart: vec3f, side: f32) -> f32 {
     return 1.0;
 }

@@ -6,8 +6,10 @@ fn is_in_layer(guide: Guide) -> bool {
     return guide.alpha > 0.0;
 }
 
-/// Weight of two pixels as parts of one reflection. `side` is that of the larger pixel.
-fn shared_reflection(a: u32, b: u32, apart: vec3f, side: f32) -> f32 {
-    let reach = min(images[a].y, images[b].y) + side;
-    return max(1.0 - dot(apart, apart) / (reach * reach), 0.0);
+/// Weight of two pixels with these indices as parts of one reflection. `side` is that of the larger pixel.
+fn shared_reflection(a: Guide, b: Guide, pixels: vec2u, apart: vec3f, side: f32) -> f32 {
+    let reach = min(images[pixels.x].y, images[pixels.y].y) + side;
+    let turned = a.normal - b.normal;
+    let turn_reach = TURN_REACH * min(a.alpha, b.alpha);
+    return max(1.0 - dot(apart, apart) / (reach * reach) - dot(turned, turned) / (turn_reach * turn_reach), 0.0);
 }

@@ -329,8 +329,8 @@ impl GpuReconstruction {
             recorder.encoder.copy_buffer_to_buffer(&buffers.estimates[0], 0, &facets.base, 0, bytes);
             recorder.run("reflections", &facet_passes.divide, &[0, 2, 7], target);
             recorder.spread_fireflies(passes, options, target);
-            recorder.run("reflections", &facet_passes.add_up_rows, &[0, 2, 7, 15], target);
-            recorder.run("reflections", &facet_passes.find_images, &[0, 2, 8, 15], target);
+            recorder.run("reflections", &facet_passes.add_up_rows, &[0, 2, 5, 7, 15], target);
+            recorder.run("reflections", &facet_passes.find_images, &[0, 2, 5, 8, 15], target);
             recorder.encoder.copy_buffer_to_buffer(&buffers.estimates[1], 0, &facets.images, 0, bytes);
             recorder.run("reflections", &facet_passes.accumulate, &[0, 2, 3, 5, 6, 7, 12, 15], target);
             recorder.filter(&facet_passes.filter, options, target);

@@ -76,11 +76,18 @@ fn mean_at(place: vec2f, sought: Guide, side: f32, is_image: bool) -> History {
     return found;
 }
 
-/// Mean curvature of a surface at a pixel, per metre, above 0 if it is convex; and the number of pixels beside it on the same
-/// smooth surface.
-fn curvature(position: vec2i, guide: Guide) -> vec2f {
-    var sum = 0.0;
-    var count = 0.0;
+/// Shape of a surface at a pixel.
+struct Curvature {
+    /// Mean curvature, per metre, above 0 if it is convex.
+    curvature: f32,
+    /// By how much the normal turns, per metre.
+    turn: f32,
+    /// Number of pixels beside it on the same smooth surface.
+    count: f32,
+}
+
+fn curvature(position: vec2i, guide: Guide) -> Curvature {
+    var found: Curvature;
     for (var k = 0; k < 4; k++) {
         let step = select(-1, 1, k < 2);
         let place = position + select(vec2i(0, step), vec2i(step, 0), (k & 1) == 0);
@@ -91,9 +98,14 @@ fn curvature(position: vec2i, guide: Guide) -> vec2f {
         let apart = there.position - guide.position;
         let is_same = there.object == guide.object && there.guide_class == guide.guide_class;
         if is_same && dot(there.normal, guide.normal) >= MIN_SMOOTH_COSINE {
-            sum += dot(there.normal - guide.normal, apart) / max(dot(apart, apart), 1.1754944e-38);
-            count += 1.0;
+            let turned = there.normal - guide.normal;
+            let square = max(dot(apart, apart), 1.1754944e-38);
+            found.curvature += dot(turned, apart) / square;
+            found.turn += sqrt(dot(turned, turned) / square);
+            found.count += 1.0;
         }
     }
-    return vec2f(sum / max(count, 1.0), count);
+    found.curvature /= max(found.count, 1.0);
+    found.turn /= max(found.count, 1.0);
+    return found;
 }

@@ -126,15 +126,15 @@ impl<const N: usize> Planes<N> {
 }
 
 /// Means over the squares around all pixels, of half this side, of four functions of a pixel.
-pub(super) fn box_means(size: [u32; 2], radius: i32, values: impl Fn(usize) -> [f32; 4] + Sync) -> BoxMeans {
+pub(super) fn box_means(size: [u32; 2], radius: i32, values: impl Fn(usize) -> [f32; 5] + Sync) -> BoxMeans {
     let grid = Grid::new(size);
-    let values = Planes::new(grid, [0.0; 5], |index| {
-        let [a, b, c, d] = values(index);
-        [a, b, c, d, 1.0]
+    let values = Planes::new(grid, [0.0; 6], |index| {
+        let [a, b, c, d, e] = values(index);
+        [a, b, c, d, e, 1.0]
     });
     // Sums over squares are sums over columns of sums over rows.
-    let sums = |values: &Planes<5>, place: Place, [dx, dy]: [i32; 2]| {
-        let mut sums = [f32x8::ZERO; 5];
+    let sums = |values: &Planes<6>, place: Place, [dx, dy]: [i32; 2]| {
+        let mut sums = [f32x8::ZERO; 6];
         for k in -radius..=radius {
             let Some(there) = place.moved(grid, k * dx, k * dy) else { continue };
             for (sum, value) in sums.iter_mut().zip(values.lanes(there)) {
@@ -144,9 +144,9 @@ pub(super) fn box_means(size: [u32; 2], radius: i32, values: impl Fn(usize) -> [
         sums
     };
     let rows = Planes::of_eight(grid, |place| sums(&values, place, [1, 0]));
-    let means = Planes::<4>::of_eight(grid, |place| {
-        let [a, b, c, d, count] = sums(&rows, place, [0, 1]);
-        [a, b, c, d].map(|sum| sum / count)
+    let means = Planes::<5>::of_eight(grid, |place| {
+        let [a, b, c, d, e, count] = sums(&rows, place, [0, 1]);
+        [a, b, c, d, e].map(|sum| sum / count)
     });
     BoxMeans { width: grid.width as usize, means }
 }
@@ -154,13 +154,13 @@ pub(super) fn box_means(size: [u32; 2], radius: i32, values: impl Fn(usize) -> [
 /// Means of [`box_means`].
 pub(super) struct BoxMeans {
     width: usize,
-    means: Planes<4>,
+    means: Planes<5>,
 }
 
 impl BoxMeans {
     /// Means at the pixel of an index.
-    pub(super) fn at(&self, index: usize) -> [f32; 4] {
+    pub(super) fn at(&self, index: usize) -> [f32; 5] {
         let (row, column) = (index / self.width, index % self.width + MARGIN);
-        std::array::from_fn(|k| self.means.numbers[(4 * row + k) * self.means.stride + column])
+        std::array::from_fn(|k| self.means.numbers[(5 * row + k) * self.means.stride + column])
     }
 }

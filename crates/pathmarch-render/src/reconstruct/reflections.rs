@@ -3,7 +3,8 @@
 //! **Idea.** A reflection does not move with its surface. What a flat and smooth surface mirrors appears as far behind it
 //! as it is in front; this image stands still when the camera moves, and is looked up in the last picture. A curved
 //! surface moves the image: towards itself if it is convex, by the equation of spherical mirrors. The distance of what is
-//! mirrored is recorded with the path and averaged over the pixels around. What the last picture shows there is limited to
+//! mirrored is recorded with the path and averaged over the pixels around. The more the surface turns from pixel to pixel,
+//! beside the width of its facets' distribution, the less an image is known, and the shorter is its history. What the last picture shows there is limited to
 //! what the samples around the pixel make plausible, since rough surfaces, and light that has come a longer way, have no
 //! sharp images.
 //!
@@ -26,9 +27,9 @@ use rayon::prelude::*;
 
 shared_constants! {
     /// Half the side of the square over which the light of facets and the distance of what is mirrored are averaged, pixels.
-    const IMAGE_RADIUS: i32 = 8;
-    /// Standard deviations of single samples by which a mean may differ from that of the square: five standard errors.
-    const IMAGE_REACH: f32 = 0.3;
+    const IMAGE_RADIUS: i32 = 5;
+    /// Standard deviations of single samples by which a mean may differ from that of the square: four standard errors.
+    const IMAGE_REACH: f32 = 0.4;
     /// Largest distance of points that share the light of facets, in distances of what is mirrored times alpha.
     const LOBE_REACH: f32 = 0.5;
     /// Least factor between the depth of an image in a flat surface and that in a curved one.
@@ -39,6 +40,8 @@ shared_constants! {
     const NO_IMAGE: f32 = -1.0;
     /// Weight of pixels without light of facets, W/(m² sr).
     const DARK_WEIGHT: f32 = 1e-6;
+    /// Turn of normals from pixel to pixel below which a surface is flat, radians.
+    const MIN_TURN: f32 = 1e-9;
     /// Longest history of light of facets whose image the last picture does not show, while the camera moves, samples.
     const MAX_IMAGELESS_HISTORY: f32 = 3.0;
 }
@@ -57,6 +60,8 @@ pub(super) struct Image {
     pub(super) reach: f32,
     /// Least and largest plausible luminance, divided as the light is filtered.
     limits: [f32; 2],
+    /// Longest history while the camera moves, samples.
+    longest: f32,
 }
 
 /// Images of all pixels, whose facets reflect this light, divided as it is filtered.
@@ -65,20 +70,24 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
     let around = box_means(size, IMAGE_RADIUS, |index| {
         let guide = &guides[index];
         let light = luminance(reflected[index]);
-        let weight = if guide.has_facets() { luminance(guide.reflected.radiance) + DARK_WEIGHT } else { 0.0 };
-        [light, light * light, weight, weight * guide.reflected.depth]
+        if !guide.has_facets() {
+            return [0.0; 5];
+        }
+        let weight = luminance(guide.reflected.radiance) + DARK_WEIGHT;
+        [light, light * light, weight, weight * guide.reflected.depth, 1.0]
     });
     let image = |index: usize| {
-        let [mean, square, weight, weighted_depth] = around.at(index);
         let guide = &guides[index];
         if !guide.has_facets() {
             return Image::default();
         }
+        let [light, squares, weight, weighted_depth, facets] = around.at(index);
+        let (mean, square) = (light / facets, squares / facets);
         let depth = (weighted_depth / weight).min(MAX_IMAGE_DEPTH);
         let distance = guide.length * depth / (1.0 - depth);
         let lobe_reach = LOBE_REACH * guide.reflected.alpha * distance;
-        let Some(curvature) = curvature(guides, size, index) else {
-            return Image { depth: NO_IMAGE, reach: lobe_reach, limits: [0.0, f32::MAX] };
+        let Some([curvature, turn]) = curvature(guides, size, index) else {
+            return Image { depth: NO_IMAGE, reach: lobe_reach, limits: [0.0, f32::MAX], longest: f32::MAX };
         };
         let bent = 1.0 + 2.0 * curvature * distance;
         let reach = (square - mean * mean).max(0.0).sqrt() * IMAGE_REACH;
@@ -86,21 +95,25 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
             depth: distance / bent.max(MIN_MAGNIFICATION),
             reach: lobe_reach,
             limits: [(mean - reach).max(0.0), mean + reach],
+            longest: guide.reflected.alpha / (turn * frame.pixel * guide.length + MIN_TURN),
         }
     };
     (0..guides.len()).into_par_iter().with_min_len(1024).map(image).collect()
 }
 
-/// Mean curvature of a surface at a pixel, per metre; above 0 if it is convex. `None` if the surface is not smooth.
-fn curvature(guides: &[Guide], size: [u32; 2], index: usize) -> Option<f32> {
+/// Mean curvature of a surface at a pixel, above 0 if it is convex, and by how much its normal turns, both per metre. `None` if
+/// the surface is not smooth.
+fn curvature(guides: &[Guide], size: [u32; 2], index: usize) -> Option<[f32; 2]> {
     let guide = &guides[index];
-    let (mut sum, mut count) = (0.0, 0);
+    let (mut curvature, mut turn, mut count) = (0.0, 0.0, 0);
     for there in smooth_neighbours(guides, size, index) {
-        let apart = there.position - guide.position;
-        sum += (there.normal - guide.normal).dot(apart) / apart.length_squared().max(f32::MIN_POSITIVE);
+        let (apart, turned) = (there.position - guide.position, there.normal - guide.normal);
+        let square = apart.length_squared().max(f32::MIN_POSITIVE);
+        curvature += turned.dot(apart) / square;
+        turn += (turned.length_squared() / square).sqrt();
         count += 1;
     }
-    (count >= SMOOTH_NEIGHBOURS).then(|| sum / count as f32)
+    (count >= SMOOTH_NEIGHBOURS).then(|| [curvature, turn].map(|sum| sum / count as f32))
 }
 
 /// Joins new samples of the light of facets with the past, if the last picture showed any.
@@ -131,7 +144,8 @@ pub(super) fn accumulated(
             mean.length = if moves { mean.length.min(MAX_IMAGELESS_HISTORY) } else { mean.length };
             Some(mean)
         });
-        let clamp = Clamp { limits: (moves || changes.scene).then_some(image.limits), max_length: changes.max_history };
+        let max_length = if moves { changes.max_history.min(image.longest) } else { changes.max_history };
+        let clamp = Clamp { limits: (moves || changes.scene).then_some(image.limits), max_length };
         found.map_or(alone, |found| joined(found, alone, clamp))
     };
     (0..guides.len()).into_par_iter().with_min_len(1024).map(join).collect()

@@ -14,7 +14,8 @@ fn divide_reflected(@builtin(global_invocation_id) id: vec3u) {
     estimates[pixel] = vec4f(light, luminance(light));
 }
 
-/// Adds up luminance, its square, weight and weighted depth along the rows.
+/// Adds up luminance, its square, weight and weighted depth along the rows, and the number of pixels with facets, which the
+/// length of the history holds until that is written.
 @compute @workgroup_size(8, 8)
 fn add_up_rows(@builtin(global_invocation_id) id: vec3u) {
     let position = vec2i(id.xy);
@@ -22,14 +23,19 @@ fn add_up_rows(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     var sum = vec4f(0.0);
+    var facets = 0.0;
     for (var x = max(position.x - IMAGE_RADIUS, 0); x <= min(position.x + IMAGE_RADIUS, i32(uniforms.width) - 1); x++) {
         let pixel = pixel_index(vec2i(x, position.y));
         let words = guides[4u * pixel + 3u];
-        let weight = select(0.0, luminance(bitcast<vec3f>(words.xyz)) + DARK_WEIGHT, (words.w >> 24u) != 0u);
-        let light = estimates[pixel].w;
-        sum += vec4f(light, light * light, weight, weight * depth_of_facets(words.w));
+        if (words.w >> 24u) != 0u {
+            let weight = luminance(bitcast<vec3f>(words.xyz)) + DARK_WEIGHT;
+            let light = estimates[pixel].w;
+            sum += vec4f(light, light * light, weight, weight * depth_of_facets(words.w));
+            facets += 1.0;
+        }
     }
     images[pixel_index(position)] = sum;
+    history[pixel_index(position)].length = facets;
 }
 
 /// Finds the image of what the facets of each pixel mirror, from the sums along rows.
@@ -45,24 +51,23 @@ fn find_images(@builtin(global_invocation_id) id: vec3u) {
     if guide.alpha == 0.0 {
         return;
     }
-    let columns = min(position.x + IMAGE_RADIUS, i32(uniforms.width) - 1) - max(position.x - IMAGE_RADIUS, 0) + 1;
     var sum = vec4f(0.0);
-    var count = 0.0;
+    var facets = 0.0;
     for (var y = max(position.y - IMAGE_RADIUS, 0); y <= min(position.y + IMAGE_RADIUS, i32(uniforms.height) - 1); y++) {
         sum += images[pixel_index(vec2i(position.x, y))];
-        count += f32(columns);
+        facets += history[pixel_index(vec2i(position.x, y))].length;
     }
     let depth = min(sum.w / sum.z, MAX_IMAGE_DEPTH);
     let distance = path_length(guide) * depth / (1.0 - depth);
     let lobe_reach = LOBE_REACH * guide.alpha * distance;
     let curved = curvature(position, guide);
-    if curved.y < f32(SMOOTH_NEIGHBOURS) {
+    if curved.count < f32(SMOOTH_NEIGHBOURS) {
         next_estimates[pixel] = vec4f(NO_IMAGE, lobe_reach, 0.0, 3e38);
         return;
     }
-    let bent = 1.0 + 2.0 * curved.x * distance;
-    let mean = sum.x / count;
-    let reach = sqrt(max(sum.y / count - mean * mean, 0.0)) * IMAGE_REACH;
+    let bent = 1.0 + 2.0 * curved.curvature * distance;
+    let mean = sum.x / facets;
+    let reach = sqrt(max(sum.y / facets - mean * mean, 0.0)) * IMAGE_REACH;
     next_estimates[pixel] = vec4f(distance / max(bent, MIN_MAGNIFICATION), lobe_reach, max(mean - reach, 0.0), mean + reach);
 }
 
@@ -98,5 +103,10 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let limits = select(vec2f(0.0, 3e38), image.zw, moves || uniforms.scene_changed != 0u);
-    history[pixel] = joined(found, alone, limits, uniforms.max_history);
+    var longest = uniforms.max_history;
+    if moves && image.x >= 0.0 {
+        let turn = curvature(position, guide).turn * uniforms.pixel * path_length(guide);
+        longest = min(longest, guide.alpha / (turn + MIN_TURN));
+    }
+    history[pixel] = joined(found, alone, limits, longest);
 }

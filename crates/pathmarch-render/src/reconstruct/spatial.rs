@@ -22,6 +22,8 @@ shared_constants! {
     pub(super) const DIRECT_REACH: f32 = 2.0;
     /// The same for indirect light and for that of facets.
     pub(super) const SMOOTH_REACH: f32 = 3.0;
+    /// Distance of the normals of points that share the light of facets, in alphas, at which the weight ends.
+    const TURN_REACH: f32 = 0.5;
     /// Distance from a plane, in sides of a pixel for each pixel between the taps, at which the weight ends.
     const PLANE_REACH: f32 = 1.0;
 }
@@ -90,16 +92,19 @@ impl SurfacePlanes {
     }
 }
 
-/// Largest distances at which the light of facets is shared, metres, see [`Image::reach`]; [`NO_FACETS`] where there are none.
-struct Reaches(Planes<1>);
+/// Largest distances at which the light of facets is shared, metres, see [`Image::reach`], [`NO_FACETS`] where there are none;
+/// and largest distances of normals.
+struct Reaches(Planes<2>);
 
 /// Reach of pixels without facets.
 const NO_FACETS: f32 = -1.0;
 
 impl Reaches {
     fn new(grid: Grid, guides: &[Guide], images: &[Image]) -> Self {
-        let reach = |index: usize| if guides[index].has_facets() { images[index].reach } else { NO_FACETS };
-        Self(Planes::new(grid, [NO_FACETS], |index| [reach(index)]))
+        Self(Planes::new(grid, [NO_FACETS, 1.0], |index| match guides[index].reflected.alpha {
+            0.0 => [NO_FACETS, 1.0],
+            alpha => [images[index].reach, TURN_REACH * alpha],
+        }))
     }
 
     /// True if one of eight pixels has facets.
@@ -115,7 +120,10 @@ impl Reaches {
         let apart = [ax - bx, ay - by, az - bz];
         let least = self.0.load(0, here).min(self.0.load(0, there));
         let reach = least + a.pixel.max(b.pixel);
-        let share = f32x8::ONE - dot(apart, apart) / (reach * reach);
+        let ([ax, ay, az], [bx, by, bz]) = (a.normal, b.normal);
+        let turned = [ax - bx, ay - by, az - bz];
+        let turn_reach = self.0.load(1, here).min(self.0.load(1, there));
+        let share = f32x8::ONE - dot(apart, apart) / (reach * reach) - dot(turned, turned) / (turn_reach * turn_reach);
         least.simd_ge(f32x8::ZERO) & share.max(f32x8::ZERO)
     }
 }

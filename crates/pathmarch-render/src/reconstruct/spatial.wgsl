@@ -34,7 +34,7 @@ fn similarity(a: Guide, b: Guide, pixels: vec2u, distance: f32) -> f32 {
     let plane = 1.0 - along / (PLANE_REACH * distance * side);
     let cosine = max(dot(a.seen_normal, b.seen_normal), 0.0);
     let fourth = cosine * cosine * cosine * cosine;
-    return max(plane, 0.0) * fourth * fourth * fourth * shared_reflection(pixels.x, pixels.y, apart, side);
+    return max(plane, 0.0) * fourth * fourth * fourth * shared_reflection(a, b, pixels, apart, side);
 }
 
 /// True if a firefly of guide `a` may give light to a pixel of guide `b`.

@@ -177,7 +177,7 @@ fn is_smooth(guides: &[Guide], size: [u32; 2], index: usize) -> bool {
 pub(super) fn plausible_luminances(size: [u32; 2], irradiance: &[Vec3]) -> Vec<[f32; 2]> {
     let means = box_means(size, PLAUSIBLE_RADIUS, |index| {
         let luminance = luminance(irradiance[index]);
-        [luminance, luminance * luminance, 0.0, 0.0]
+        [luminance, luminance * luminance, 0.0, 0.0, 0.0]
     });
     let limits = |index: usize| {
         let [mean, square, ..] = means.at(index);

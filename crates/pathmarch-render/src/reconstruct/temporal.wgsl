@@ -51,7 +51,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     if uniforms.camera_moves != 0u {
         if guide.is_glossy && guide.alpha == 0.0 {
             max_length = min(max_length, MAX_GLOSSY_HISTORY);
-        } else if curvature(position, guide).y < f32(SMOOTH_NEIGHBOURS) {
+        } else if curvature(position, guide).count < f32(SMOOTH_NEIGHBOURS) {
             max_length = min(max_length, MAX_ROUGH_HISTORY);
         }
     }
