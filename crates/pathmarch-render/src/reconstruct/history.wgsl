@@ -45,6 +45,7 @@ fn mean_at(place: vec2f, sought: Guide, side: f32, is_image: bool) -> History {
     let corner = floor(place - 0.5);
     let part = place - 0.5 - corner;
     var total = 0.0;
+    var squares = 0.0;
     for (var k = 0; k < 4; k++) {
         let offset = vec2i(k & 1, k >> 1u);
         let at = vec2i(corner) + offset;
@@ -63,6 +64,7 @@ fn mean_at(place: vec2f, sought: Guide, side: f32, is_image: bool) -> History {
         let past = past_history[pixel];
         found.irradiance += past.irradiance * weight;
         found.moments += past.moments * weight;
+        squares += past.moments.x * past.moments.x * weight;
         found.length += past.length * weight;
         total += weight;
     }
@@ -73,7 +75,17 @@ fn mean_at(place: vec2f, sought: Guide, side: f32, is_image: bool) -> History {
     found.irradiance /= total;
     found.moments /= total;
     found.length /= total;
+    found.length = min(found.length, longest_of_contrast(found.moments, squares / total, found.length));
     return found;
+}
+
+/// Longest history of an interpolated mean of this length; `square` is the mean square of the interpolated luminances.
+fn longest_of_contrast(moments: vec2f, square: f32, length: f32) -> f32 {
+    let mean_square = moments.x * moments.x;
+    let deviation = max(square - mean_square, 0.0);
+    let variance = max(moments.y - square, 0.0) / length;
+    let known = length * (MAX_CONTRAST * variance + ROUNDING * mean_square) / max(deviation, 1.1754944e-38);
+    return max(known, MIN_CONTRAST_HISTORY);
 }
 
 /// Shape of a surface at a pixel.

@@ -113,6 +113,13 @@ shared_constants! {
     const PLAUSIBLE_RADIUS: i32 = 2;
     /// Standard deviations of single samples by which a mean may differ from that of the square: three standard errors.
     const PLAUSIBLE_REACH: f32 = 0.6;
+    /// Squared deviation of the luminance of the pixels between which the past is interpolated, in variances of its mean, from
+    /// which on the history is shortened: interpolated again and again, the edges of shadows would blur.
+    const MAX_CONTRAST: f32 = 0.3;
+    /// Squared relative deviation that counts as rounding, in units of the above.
+    const ROUNDING: f32 = 1e-6;
+    /// Length below which contrast shortens no history, samples.
+    const MIN_CONTRAST_HISTORY: f32 = 2.0;
     /// Least cosine between normals of one surface.
     const MIN_NORMAL_COSINE: f32 = 0.8;
 }
@@ -271,6 +278,7 @@ impl History {
         let [width, height] = self.frame.size();
         let [x, y] = position.map(|coordinate| coordinate - 0.5);
         let (mut irradiance, mut moments, mut length, mut total) = (Vec3::ZERO, [0.0; 2], 0.0, 0.0);
+        let mut squares = 0.0;
         for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
             let (column, row) = (x.floor() + dx, y.floor() + dy);
             if column < 0.0 || row < 0.0 || column >= width as f32 || row >= height as f32 {
@@ -284,16 +292,26 @@ impl History {
             let mean = &means[index];
             irradiance += mean.irradiance * weight;
             moments = [moments[0] + mean.moments[0] * weight, moments[1] + mean.moments[1] * weight];
+            squares += mean.moments[0] * mean.moments[0] * weight;
             length += mean.length * weight;
             total += weight;
         }
-        (total > 0.01).then(|| PixelMean {
-            irradiance: irradiance / total,
-            length: length / total,
-            moments: moments.map(|moment| moment / total),
-            before: Some(position),
-        })
+        if total <= 0.01 {
+            return None;
+        }
+        let (moments, length) = (moments.map(|moment| moment / total), length / total);
+        let length = length.min(longest_of_contrast(moments, squares / total, length));
+        Some(PixelMean { irradiance: irradiance / total, length, moments, before: Some(position) })
     }
+}
+
+/// Longest history of an interpolated mean of this length, samples; `square` is the mean square of the interpolated
+/// luminances.
+fn longest_of_contrast([mean, mean_square]: [f32; 2], square: f32, length: f32) -> f32 {
+    let deviation = (square - mean * mean).max(0.0);
+    let variance = (mean_square - square).max(0.0) / length;
+    let known = length * (MAX_CONTRAST * variance + ROUNDING * mean * mean) / deviation.max(f32::MIN_POSITIVE);
+    known.max(MIN_CONTRAST_HISTORY)
 }
 
 /// True if the camera moves between two frames.
