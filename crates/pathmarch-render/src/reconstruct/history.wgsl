@@ -98,6 +98,7 @@ struct Curvature {
     count: f32,
 }
 
+/// Shape of the surface at a pixel, from the pixels beside it.
 fn curvature(position: vec2i, guide: Guide) -> Curvature {
     var found: Curvature;
     for (var k = 0; k < 4; k++) {

@@ -125,16 +125,17 @@ impl<const N: usize> Planes<N> {
     }
 }
 
-/// Means over the squares around all pixels, of half this side, of four functions of a pixel.
-pub(super) fn box_means(size: [u32; 2], radius: i32, values: impl Fn(usize) -> [f32; 5] + Sync) -> BoxMeans {
+/// Sums over the squares around all pixels, of half this side, of functions of a pixel.
+pub(super) fn box_sums<const N: usize>(
+    size: [u32; 2],
+    radius: i32,
+    values: impl Fn(usize) -> [f32; N] + Sync,
+) -> BoxSums<N> {
     let grid = Grid::new(size);
-    let values = Planes::new(grid, [0.0; 6], |index| {
-        let [a, b, c, d, e] = values(index);
-        [a, b, c, d, e, 1.0]
-    });
+    let values = Planes::new(grid, [0.0; N], values);
     // Sums over squares are sums over columns of sums over rows.
-    let sums = |values: &Planes<6>, place: Place, [dx, dy]: [i32; 2]| {
-        let mut sums = [f32x8::ZERO; 6];
+    let sums = |values: &Planes<N>, place: Place, [dx, dy]: [i32; 2]| {
+        let mut sums = [f32x8::ZERO; N];
         for k in -radius..=radius {
             let Some(there) = place.moved(grid, k * dx, k * dy) else { continue };
             for (sum, value) in sums.iter_mut().zip(values.lanes(there)) {
@@ -144,23 +145,20 @@ pub(super) fn box_means(size: [u32; 2], radius: i32, values: impl Fn(usize) -> [
         sums
     };
     let rows = Planes::of_eight(grid, |place| sums(&values, place, [1, 0]));
-    let means = Planes::<5>::of_eight(grid, |place| {
-        let [a, b, c, d, e, count] = sums(&rows, place, [0, 1]);
-        [a, b, c, d, e].map(|sum| sum / count)
-    });
-    BoxMeans { width: grid.width as usize, means }
+    let sums = Planes::of_eight(grid, |place| sums(&rows, place, [0, 1]));
+    BoxSums { width: grid.width as usize, sums }
 }
 
-/// Means of [`box_means`].
-pub(super) struct BoxMeans {
+/// Sums of [`box_sums`].
+pub(super) struct BoxSums<const N: usize> {
     width: usize,
-    means: Planes<5>,
+    sums: Planes<N>,
 }
 
-impl BoxMeans {
-    /// Means at the pixel of an index.
-    pub(super) fn at(&self, index: usize) -> [f32; 5] {
+impl<const N: usize> BoxSums<N> {
+    /// Sums around the pixel of an index.
+    pub(super) fn at(&self, index: usize) -> [f32; N] {
         let (row, column) = (index / self.width, index % self.width + MARGIN);
-        std::array::from_fn(|k| self.means.numbers[(5 * row + k) * self.means.stride + column])
+        std::array::from_fn(|k| self.sums.numbers[(N * row + k) * self.sums.stride + column])
     }
 }

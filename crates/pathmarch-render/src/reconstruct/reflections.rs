@@ -3,10 +3,10 @@
 //! **Idea.** A reflection does not move with its surface. What a flat and smooth surface mirrors appears as far behind it
 //! as it is in front; this image stands still when the camera moves, and is looked up in the last picture. A curved
 //! surface moves the image: towards itself if it is convex, by the equation of spherical mirrors. The distance of what is
-//! mirrored is recorded with the path and averaged over the pixels around. The more the surface turns from pixel to pixel,
-//! beside the width of its facets' distribution, the less an image is known, and the shorter is its history. What the last picture shows there is limited to
+//! mirrored is recorded with the path and averaged over the pixels around. What the last picture shows there is limited to
 //! what the samples around the pixel make plausible, since rough surfaces, and light that has come a longer way, have no
-//! sharp images.
+//! sharp images. The more a surface turns from pixel to pixel, beside the width of its facets' distribution, the less is
+//! known where its images were, and the shorter are their histories.
 //!
 //! **Source.** Images of reflections as points of their own motion: Zimmer et al. 2015, "Path-space Motion Estimation and
 //! Decomposition for Robust Animation Filtering". Filters as wide as roughness and the distance of what is mirrored allow:
@@ -16,7 +16,7 @@
 //! way than the surface that refracts it, which is taken for the image.
 
 use super::motion::EarlierPoints;
-use super::planes::box_means;
+use super::planes::box_sums;
 use super::temporal::{Clamp, History, PixelMean, SMOOTH_NEIGHBOURS, Samples, camera_moves, joined, smooth_neighbours};
 use super::{Changes, luminance};
 use crate::integrator::guides::Guide;
@@ -67,7 +67,7 @@ pub(super) struct Image {
 /// Images of all pixels, whose facets reflect this light, divided as it is filtered.
 pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]) -> Vec<Image> {
     let size = frame.size();
-    let around = box_means(size, IMAGE_RADIUS, |index| {
+    let around = box_sums(size, IMAGE_RADIUS, |index| {
         let guide = &guides[index];
         let light = luminance(reflected[index]);
         if !guide.has_facets() {
@@ -191,6 +191,26 @@ mod tests {
         // Equation of spherical mirrors with a radius of 1 m: 1/3 + 2/1 = 1/depth.
         let middle = images[12 * 24 + 12].depth;
         assert!((middle - 3.0 / 7.0).abs() < 0.02, "{middle}");
+    }
+
+    #[test]
+    fn images_in_curved_mirrors_are_soon_forgotten() {
+        let [flat, curved] =
+            ["rect 4 { normal 0 0 1 }", "sphere 1"].map(|object| images_in(object).1[12 * 24 + 12].longest);
+        assert!(flat > 1e3, "{flat}");
+        // Alpha over the angle between the normals of neighbours, 4 m from the camera, whose pixels have these sides.
+        let side = 4.0 * 2.0 * 5.0_f32.to_radians().tan() / 24.0;
+        assert!((curved / (0.04 / side) - 1.0).abs() < 0.1, "{curved} for {}", 0.04 / side);
+    }
+
+    #[test]
+    fn what_has_no_facets_does_not_limit_their_light() {
+        let (guides, images) = images_in("rect 0.2 { normal 0 0 1 }");
+        let of_mirror =
+            guides.iter().zip(&images).filter(|(guide, image)| guide.has_facets() && image.depth != NO_IMAGE);
+        let limits: Vec<[f32; 2]> = of_mirror.map(|(_, image)| image.limits).collect();
+        assert!(limits.len() > 9 && limits.len() < 100, "{}", limits.len());
+        assert!(limits.iter().flatten().all(|limit| (limit - 1.0).abs() < 1e-3), "{limits:?}");
     }
 
     #[test]
