@@ -39,7 +39,8 @@ struct Guide {
     depth: f32,
     alpha: f32,
     has_coloured_facets: bool,
-    /// Light that other surfaces have scattered to one that scatters light, without that of facets; 0 elsewhere, and on fractals.
+    /// Light that other surfaces have scattered to one that scatters light, without that of facets; 0 elsewhere, and on
+    /// fractals.
     indirect: vec3f,
 }
 

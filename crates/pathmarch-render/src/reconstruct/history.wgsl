@@ -75,17 +75,18 @@ fn mean_at(place: vec2f, sought: Guide, side: f32, is_image: bool) -> History {
     found.irradiance /= total;
     found.moments /= total;
     found.length /= total;
-    found.length = min(found.length, longest_of_contrast(found.moments, squares / total, found.length));
+    found.length = contrast_limited_length(found.moments, squares / total, found.length);
     return found;
 }
 
-/// Longest history of an interpolated mean of this length; `square` is the mean square of the interpolated luminances.
-fn longest_of_contrast(moments: vec2f, square: f32, length: f32) -> f32 {
+/// Length of the history of an interpolated mean, shortened by contrast; `square` is the mean square of the interpolated
+/// luminances.
+fn contrast_limited_length(moments: vec2f, square: f32, length: f32) -> f32 {
     let mean_square = moments.x * moments.x;
     let deviation = max(square - mean_square, 0.0);
     let variance = max(moments.y - square, 0.0) / length;
-    let known = length * (MAX_CONTRAST * variance + ROUNDING * mean_square) / max(deviation, 1.1754944e-38);
-    return max(known, MIN_CONTRAST_HISTORY);
+    let known = length * (MAX_CONTRAST * variance + CONTRAST_ROUNDING * mean_square) / max(deviation, 1.1754944e-38);
+    return min(length, max(known, MIN_CONTRAST_HISTORY));
 }
 
 /// Shape of a surface at a pixel.

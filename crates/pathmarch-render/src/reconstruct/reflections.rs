@@ -17,7 +17,9 @@
 
 use super::motion::EarlierPoints;
 use super::planes::box_sums;
-use super::temporal::{Clamp, History, PixelMean, SMOOTH_NEIGHBOURS, Samples, camera_moves, joined, smooth_neighbours};
+use super::temporal::{
+    Clamp, History, PixelMean, SMOOTH_NEIGHBOURS, Samples, camera_moves, joined, plausible_range, smooth_neighbours,
+};
 use super::{Changes, luminance};
 use crate::integrator::guides::Guide;
 use crate::scene::FrameUniforms;
@@ -61,7 +63,7 @@ pub(super) struct Image {
     /// Least and largest plausible luminance, divided as the light is filtered.
     limits: [f32; 2],
     /// Longest history while the camera moves, samples.
-    longest: f32,
+    max_history: f32,
 }
 
 /// Images of all pixels, whose facets reflect this light, divided as it is filtered.
@@ -82,20 +84,18 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
             return Image::default();
         }
         let [light, squares, weight, weighted_depth, facets] = around.at(index);
-        let (mean, square) = (light / facets, squares / facets);
         let depth = (weighted_depth / weight).min(MAX_IMAGE_DEPTH);
         let distance = guide.length * depth / (1.0 - depth);
         let lobe_reach = LOBE_REACH * guide.reflected.alpha * distance;
         let Some([curvature, turn]) = curvature(guides, size, index) else {
-            return Image { depth: NO_IMAGE, reach: lobe_reach, limits: [0.0, f32::MAX], longest: f32::MAX };
+            return Image { depth: NO_IMAGE, reach: lobe_reach, limits: [0.0, f32::MAX], max_history: f32::MAX };
         };
         let bent = 1.0 + 2.0 * curvature * distance;
-        let reach = (square - mean * mean).max(0.0).sqrt() * IMAGE_REACH;
         Image {
             depth: distance / bent.max(MIN_MAGNIFICATION),
             reach: lobe_reach,
-            limits: [(mean - reach).max(0.0), mean + reach],
-            longest: guide.reflected.alpha / (turn * frame.pixel * guide.length + MIN_TURN),
+            limits: plausible_range([light, squares, facets], IMAGE_REACH),
+            max_history: guide.reflected.alpha / (turn * frame.pixel * guide.length + MIN_TURN),
         }
     };
     (0..guides.len()).into_par_iter().with_min_len(1024).map(image).collect()
@@ -144,7 +144,7 @@ pub(super) fn accumulated(
             mean.length = if moves { mean.length.min(MAX_IMAGELESS_HISTORY) } else { mean.length };
             Some(mean)
         });
-        let max_length = if moves { changes.max_history.min(image.longest) } else { changes.max_history };
+        let max_length = if moves { changes.max_history.min(image.max_history) } else { changes.max_history };
         let clamp = Clamp { limits: (moves || changes.scene).then_some(image.limits), max_length };
         found.map_or(alone, |found| joined(found, alone, clamp))
     };
@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn images_in_curved_mirrors_are_soon_forgotten() {
         let [flat, curved] =
-            ["rect 4 { normal 0 0 1 }", "sphere 1"].map(|object| images_in(object).1[12 * 24 + 12].longest);
+            ["rect 4 { normal 0 0 1 }", "sphere 1"].map(|object| images_in(object).1[12 * 24 + 12].max_history);
         assert!(flat > 1e3, "{flat}");
         // Alpha over the angle between the normals of neighbours, 4 m from the camera, whose pixels have these sides.
         let side = 4.0 * 2.0 * 5.0_f32.to_radians().tan() / 24.0;

@@ -103,10 +103,10 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let limits = select(vec2f(0.0, 3e38), image.zw, moves || uniforms.scene_changed != 0u);
-    var longest = uniforms.max_history;
+    var max_history = uniforms.max_history;
     if moves && image.x >= 0.0 {
         let turn = curvature(position, guide).turn * uniforms.pixel * path_length(guide);
-        longest = min(longest, guide.alpha / (turn + MIN_TURN));
+        max_history = min(max_history, guide.alpha / (turn + MIN_TURN));
     }
-    history[pixel] = joined(found, alone, limits, longest);
+    history[pixel] = joined(found, alone, limits, max_history);
 }

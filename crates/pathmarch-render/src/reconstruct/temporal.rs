@@ -117,7 +117,7 @@ shared_constants! {
     /// which on the history is shortened: interpolated again and again, the edges of shadows would blur.
     const MAX_CONTRAST: f32 = 0.3;
     /// Squared relative deviation that counts as rounding, in units of the above.
-    const ROUNDING: f32 = 1e-6;
+    const CONTRAST_ROUNDING: f32 = 1e-6;
     /// Length below which contrast shortens no history, samples.
     const MIN_CONTRAST_HISTORY: f32 = 2.0;
     /// Least cosine between normals of one surface.
@@ -180,18 +180,21 @@ fn is_smooth(guides: &[Guide], size: [u32; 2], index: usize) -> bool {
     smooth_neighbours(guides, size, index).count() >= SMOOTH_NEIGHBOURS as usize
 }
 
+/// Least and largest luminance of a mean beside these sums over samples: luminance, its square, and 1. `reach` is in standard
+/// deviations of single samples.
+pub(super) fn plausible_range([light, squares, count]: [f32; 3], reach: f32) -> [f32; 2] {
+    let (mean, square) = (light / count, squares / count);
+    let reach = (square - mean * mean).max(0.0).sqrt() * reach;
+    [(mean - reach).max(0.0), mean + reach]
+}
+
 /// Least and largest luminance that the mean of each pixel may have, judged from the samples around it.
 pub(super) fn plausible_luminances(size: [u32; 2], irradiance: &[Vec3]) -> Vec<[f32; 2]> {
     let sums = box_sums(size, PLAUSIBLE_RADIUS, |index| {
         let luminance = luminance(irradiance[index]);
         [luminance, luminance * luminance, 1.0]
     });
-    let limits = |index: usize| {
-        let [light, squares, pixels] = sums.at(index);
-        let (mean, square) = (light / pixels, squares / pixels);
-        let reach = (square - mean * mean).max(0.0).sqrt() * PLAUSIBLE_REACH;
-        [(mean - reach).max(0.0), mean + reach]
-    };
+    let limits = |index: usize| plausible_range(sums.at(index), PLAUSIBLE_REACH);
     (0..irradiance.len()).into_par_iter().with_min_len(4096).map(limits).collect()
 }
 
@@ -301,18 +304,18 @@ impl History {
             return None;
         }
         let (moments, length) = (moments.map(|moment| moment / total), length / total);
-        let length = length.min(longest_of_contrast(moments, squares / total, length));
+        let length = contrast_limited_length(moments, squares / total, length);
         Some(PixelMean { irradiance: irradiance / total, length, moments, before: Some(position) })
     }
 }
 
-/// Longest history of an interpolated mean of this length, samples; `square` is the mean square of the interpolated
-/// luminances.
-fn longest_of_contrast([mean, mean_square]: [f32; 2], square: f32, length: f32) -> f32 {
+/// Length of the history of an interpolated mean, shortened where the contrast between its pixels is more than their noise,
+/// samples; `square` is the mean square of the interpolated luminances.
+fn contrast_limited_length([mean, mean_square]: [f32; 2], square: f32, length: f32) -> f32 {
     let deviation = (square - mean * mean).max(0.0);
     let variance = (mean_square - square).max(0.0) / length;
-    let known = length * (MAX_CONTRAST * variance + ROUNDING * mean * mean) / deviation.max(f32::MIN_POSITIVE);
-    known.max(MIN_CONTRAST_HISTORY)
+    let known = length * (MAX_CONTRAST * variance + CONTRAST_ROUNDING * mean * mean) / deviation.max(f32::MIN_POSITIVE);
+    length.min(known.max(MIN_CONTRAST_HISTORY))
 }
 
 /// True if the camera moves between two frames.

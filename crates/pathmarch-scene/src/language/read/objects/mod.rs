@@ -402,23 +402,24 @@ impl<'m> Solids<'m> {
             context.report.add(mistake.help(format!("Put it around the whole: {name} {{ extrude {{ {profile} }} }}.")));
             return None;
         }
-        // That a profile has no end along z does not matter within its plane.
-        let is_endless = |child: &&FieldNode| {
-            let bounds = Field::new(std::slice::from_ref(*child)).bounds();
-            let axes = if profile(child).is_some() { 2 } else { 3 };
-            (0..axes).any(|k| !bounds.min[k].is_finite() || !bounds.max[k].is_finite())
-        };
-        if modifier.needs_bounds()
-            && let Some(endless) = children.iter().find(is_endless)
-        {
-            let what = first_name(endless);
-            let message = format!("`{what}` is infinite, and `{}` needs finite shapes.", modifier.info().name);
-            let mistake = draft("pathmarch::endless", node.name.span, message).label("not of something endless");
-            context.report.add(mistake.help("Cut it first: intersect { box 10 1 10; … }."));
-            return None;
-        }
-        if let Some(at) = modifier.params().iter().position(|param| param.name == TURNS) {
-            warn_of_degrees(node, params[at], Field::new(&children).bounds(), context);
+        if modifier.needs_bounds() {
+            let bounds: Vec<Aabb> =
+                children.iter().map(|child| Field::new(std::slice::from_ref(child)).bounds()).collect();
+            // That a profile has no end along z does not matter within its plane.
+            let is_endless = |(child, bounds): &(&FieldNode, &Aabb)| {
+                let axes = if profile(child).is_some() { 2 } else { 3 };
+                (0..axes).any(|k| !bounds.min[k].is_finite() || !bounds.max[k].is_finite())
+            };
+            if let Some((endless, _)) = children.iter().zip(&bounds).find(is_endless) {
+                let what = first_name(endless);
+                let message = format!("`{what}` is infinite, and `{}` needs finite shapes.", modifier.info().name);
+                let mistake = draft("pathmarch::endless", node.name.span, message).label("not of something endless");
+                context.report.add(mistake.help("Cut it first: intersect { box 10 1 10; … }."));
+                return None;
+            }
+            if let Some(at) = modifier.params().iter().position(|param| param.name == TURNS) {
+                warn_of_degrees(node, params[at], &bounds, context);
+            }
         }
         Some(FieldNode { kind: Kind::Modifier { modifier, params, children }, placement })
     }
@@ -450,12 +451,15 @@ impl<'m> Solids<'m> {
     }
 }
 
-/// Warns of a twist or bend whose number was most likely meant in degrees: its shapes would make many turns within their own
-/// width.
-fn warn_of_degrees(node: &Node, turns_per_metre: f32, inside: Aabb, context: &mut Context) {
+/// Warns of a twist or bend of shapes with these bounds whose number was most likely meant in degrees: it makes many turns
+/// within their own width.
+fn warn_of_degrees(node: &Node, turns_per_metre: f32, bounds: &[Aabb], context: &mut Context) {
     const MANY_TURNS: f32 = 8.0;
-    let reach = [0, 2].map(|axis| inside.min[axis].abs().max(inside.max[axis].abs()));
-    if inside.is_finite() && turns_per_metre.abs() * reach[0].max(reach[1]) > MANY_TURNS {
+    let is_wide = |inside: &Aabb| {
+        let reach = [0, 2].map(|axis| inside.min[axis].abs().max(inside.max[axis].abs()));
+        inside.is_finite() && turns_per_metre.abs() * reach[0].max(reach[1]) > MANY_TURNS
+    };
+    if bounds.iter().any(is_wide) {
         let message = format!("A `{}` of {turns_per_metre} turns within each metre.", node.name.value);
         let warning = draft("pathmarch::many_turns", node.name.span, message).label("are these degrees?");
         let turns = turns_per_metre / 360.0;
