@@ -302,6 +302,55 @@ fn reflections_stay_where_they_are_while_the_camera_moves() {
     assert!((energy - 1.0).abs() < 0.08, "{energy}");
 }
 
+/// Fog with a bright ball in it, whose light a board blocks, before a wall and the sky; a cloud, and a glossy floor.
+const FOGGY_ROOM: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 0.9 0; fov 30 }\nrender { bounces 2 }\n\
+    sky 0.02 0.02 0.03\nfog { scatter 0.1; absorb 0.02 }\nmaterial \"lamp\" { emit 9 7 4 }\n\
+    material \"floor\" { principled 0.3 0.2 0.1; roughness 0.25 }\nmaterial \"cloud\" { medium 2; absorb 0.2 }\n\
+    object \"floor\" material=\"floor\" { rect 6 }\nobject \"wall\" { rect 3 1 { normal 0 0 1; at -1.5 0.5 -3 } }\n\
+    object \"lamp\" material=\"lamp\" { sphere 0.12 { at 0 0.9 0 } }\nobject \"board\" { rect 0.6 0.6 { normal -1 0 0; at 0.3 1 0 } }\n\
+    object \"post\" { box 0.2 3 0.2 { at -0.6 1 2 } }\nobject \"cloud\" material=\"cloud\" { sphere 0.3 { at 0.9 0.4 0.8 } }";
+
+fn both_backends_filter_light_of_media_alike(renderers: &mut [Renderer; 2]) {
+    let scene = Arc::new(parse(FOGGY_ROOM));
+    let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
+    // Seeds for which rounding does not decide what single samples hit.
+    for (frame, seed) in [1, 2, 3, 6].into_iter().enumerate() {
+        let samples = if frame == 3 { 9 } else { 1 };
+        let settings = settings(&scene, moved(&scene, 0.04 * seed as f32), samples, seed);
+        let [a, b] = sequences.each_mut().map(|sequence| sequence.render(&scene, &settings).expect("a picture"));
+        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        println!("frame {frame}: relMSE {error:.2e}");
+        assert!(error < 1e-4, "{frame}: {error}");
+    }
+}
+
+fn light_in_fog_stays_where_it_is_while_the_camera_moves() {
+    let scene = Arc::new(parse(FOGGY_ROOM));
+    let mut sequence = sequence();
+    // The camera circles around the lamp.
+    let around = |angle: f32| {
+        let mut camera = scene.cameras[0].clone();
+        camera.position = [5.0 * angle.sin(), 1.0, 5.0 * angle.cos()];
+        camera
+    };
+    let frames = (0..20).map(|frame| next(&mut sequence, &scene, around(0.03 * frame as f32), frame));
+    let last = frames.last().expect("a frame");
+    let reference = converged(&scene, around(0.57));
+    // Without the lamp in the middle, whose edges are noisy.
+    let of_fog = |picture: &Picture| {
+        let is_apart = |(x, y): &(u32, u32)| x.abs_diff(48) > 9 || y.abs_diff(27) > 9;
+        let places = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))).filter(is_apart);
+        let pixels: Vec<[f32; 3]> = places.filter_map(|(x, y)| picture.get(x, y)).collect();
+        Picture { width: pixels.len() as u32, height: 1, pixels }
+    };
+    let [before, after, truth] = [&last.noisy, &last.reconstructed, &reference].map(of_fog);
+    let energy = mean(&after) / mean(&truth);
+    let [before, after] = [&before, &after].map(|picture| relmse(picture, &truth).expect("finite"));
+    println!("relMSE {before:.5} before, {after:.5} after; energy {energy:.4}");
+    assert!(after < 0.05 * before, "{before} {after}");
+    assert!((energy - 1.0).abs() < 0.04, "{energy}");
+}
+
 /// Lamps of several sizes and colours before a dim wall, one before another.
 const LAMPS: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0; fov 30 }\nrender { bounces 1 }\n\
     material \"wall\" { diffuse 0.4 0.3 0.2 }\nmaterial \"white\" { emit 20 }\nmaterial \"red\" { emit 9 2 1 }\n\
@@ -392,6 +441,7 @@ tests! {
     on_both_backends: [
         both_backends_reconstruct_alike,
         both_backends_filter_facets_alike,
+        both_backends_filter_light_of_media_alike,
         both_backends_follow_a_growing_ball,
         pictures_that_do_not_fit_are_shown_as_they_are,
     ],
@@ -403,6 +453,7 @@ tests! {
         a_growing_ball_keeps_its_past,
         mirror_images_keep_their_past_while_the_camera_moves,
         reflections_stay_where_they_are_while_the_camera_moves,
+        light_in_fog_stays_where_it_is_while_the_camera_moves,
         lamps_have_clean_edges_while_the_camera_moves,
         light_that_is_switched_off_fades_at_once,
         a_still_picture_of_many_samples_is_not_altered,

@@ -5,6 +5,7 @@
 //! glass are its own, since a path takes one of its two ways by chance. The surface is that of the first sample of a
 //! pixel; the albedo is a mean over all of them, so that edges and textures are as smooth as the film.
 
+use super::medium_light::{MEDIUM_ALPHA, MediumLightRecorder};
 use super::path_state::Path;
 use super::reflected_light::{ReflectedLight, ReflectionRecorder};
 use crate::intersect::ray::Ray;
@@ -75,7 +76,8 @@ pub(crate) struct Guide {
     pub(crate) is_mixed: bool,
     /// True if the surface looks different from other directions.
     pub(crate) is_glossy: bool,
-    /// Light that the facets of a glossy surface reflect or refract; 0 elsewhere.
+    /// Light that media in front of the surface scatter or emit; else that which the facets of a glossy surface reflect or
+    /// refract; 0 elsewhere.
     pub(crate) reflected: ReflectedLight,
     /// Light that other surfaces have scattered to one that scatters light, without that of facets; 0 elsewhere, and on
     /// fractals. Mean over the samples.
@@ -148,9 +150,19 @@ impl Guide {
         self.class == GuideClass::Emitter && self.leaf != NO_LEAF
     }
 
-    /// True if the surface has facets whose light is recorded apart.
-    pub(crate) fn has_facets(&self) -> bool {
+    /// True if light is recorded apart that does not move with the surface.
+    pub(crate) fn has_layer(&self) -> bool {
         self.reflected.alpha > 0.0
+    }
+
+    /// True if this light is that of media in front of the surface.
+    pub(crate) fn has_medium(&self) -> bool {
+        self.reflected.alpha == MEDIUM_ALPHA
+    }
+
+    /// True if it is that of facets of the surface.
+    pub(crate) fn has_facets(&self) -> bool {
+        self.has_layer() && !self.has_medium()
     }
 
     /// Factor between the radiance that the facets reflect and what is filtered.
@@ -183,6 +195,8 @@ pub(crate) struct GuideRecorder {
     direct: Vec<Option<Vec3>>,
     /// Light of the facets of each guide's surface.
     pub(super) reflections: ReflectionRecorder,
+    /// Light of the media in front of each guide's surface.
+    pub(super) media: MediumLightRecorder,
 }
 
 /// State of the recording of a path: the surface that it waits for.
@@ -211,12 +225,24 @@ impl GuideRecorder {
         let guides = camera_rays.iter().map(sky).collect();
         let states = vec![State::Mirrored(Mat3::IDENTITY); camera_rays.len()];
         let (reflections, direct) = (ReflectionRecorder::new(camera_rays.len()), vec![None; camera_rays.len()]);
-        Self { reflections, camera_rays, guides, states, direct }
+        let media = MediumLightRecorder::new(camera_rays.iter().map(|ray| ray.origin));
+        Self { reflections, media, camera_rays, guides, states, direct }
     }
 
     /// Ends the recording of the path in a slot.
     pub(crate) fn end(&mut self, slot: usize) {
         self.states[slot] = State::Done;
+    }
+
+    /// Records that a path of this radiance scatters at a point in a medium. What follows is light of the medium before the
+    /// first surface, and indirect light behind one that scatters light.
+    pub(super) fn record_event(&mut self, slot: usize, p: Vec3, surface_index: u32, radiance: Vec3) {
+        if surface_index == 0 {
+            self.media.scatter(slot, p, radiance);
+        } else if matches!(self.states[slot], State::Scattered) {
+            self.direct[slot] = Some(radiance);
+            self.states[slot] = State::Done;
+        }
     }
 
     /// Records the surface that a path has reached with this throughput. `radiance` is that of all paths.
@@ -278,13 +304,16 @@ impl GuideRecorder {
         };
         let ray = self.camera_rays[slot];
         let normal = mirrors * interaction.normal;
+        // The length of a path starts anew at the boundaries of media.
+        let starts_anew = ctx.config.boundaries && surface_index == 0;
+        let length = if starts_anew { self.media.distance(slot, interaction.p) } else { interaction.length };
         *guide = Guide {
-            position: ray.origin + ray.direction * interaction.length,
+            position: ray.origin + ray.direction * length,
             normal,
             seen_normal: normal,
             albedo,
             square: 0.0,
-            length: interaction.length,
+            length,
             class,
             is_mixed: false,
             is_glossy: is_glass || material.has(GLOSSY),
@@ -294,19 +323,19 @@ impl GuideRecorder {
             seen_object: object,
             leaf: if surface_index == 0 { interaction.leaf as u32 } else { NO_LEAF },
         };
-        if class == GuideClass::Surface && material.has(GLOSSY) {
+        if class == GuideClass::Surface && material.has(GLOSSY) && !self.media.has_passed(slot) {
             self.reflections.begin(ctx, path, interaction);
         }
     }
 
     /// Guides of all paths, which have these radiances.
-    pub(super) fn into_guides(self, radiance: &[Vec3]) -> Vec<Guide> {
-        let Self { mut guides, reflections, direct, .. } = self;
+    pub(super) fn into_guides(self, ctx: &TraceContext, radiance: &[Vec3]) -> Vec<Guide> {
+        let Self { mut guides, reflections, media, direct, .. } = self;
         for (slot, direct) in direct.into_iter().enumerate() {
             let indirect = direct.map_or(Vec3::ZERO, |direct| radiance[slot] - direct);
             guides[slot].indirect = indirect * (1.0 - reflections.share_of_rest(slot));
         }
-        for (slot, reflected) in reflections.into_lights(radiance) {
+        for (slot, reflected) in reflections.into_lights(radiance).chain(media.into_lights(radiance, ctx.frame.far)) {
             guides[slot].reflected = reflected;
         }
         guides

@@ -1,4 +1,5 @@
-// import: integrator/camera, integrator/guide, integrator/reflected_light, shading/surface_interaction
+// import: integrator/camera, integrator/guide, integrator/medium_light, integrator/reflected_light
+// import: shading/surface_interaction
 // Recorder of guides. Twin of guides.rs.
 
 /// Guides of all pixels, four vectors each.
@@ -21,6 +22,13 @@ var<private> has_indirect: bool;
 var<private> direct_radiance: vec3f;
 /// Product of the mirror reflections so far.
 var<private> guide_mirrors: mat3x3f;
+/// Light of the media on the first segments, its luminance, and the sum of that times the distance from the camera.
+var<private> medium_light: vec3f;
+var<private> medium_weight: f32;
+var<private> medium_weighted_distance: f32;
+/// Distance of the scattering event that ends them, negative if there is none, and the radiance before it.
+var<private> event_distance: f32;
+var<private> event_radiance: vec3f;
 
 /// Starts with the guide of the sky.
 fn begin_guide(camera: Ray) {
@@ -38,6 +46,11 @@ fn begin_guide(camera: Ray) {
     guide.leaf = NO_LEAF;
     guide.is_glossy = false;
     guide.alpha = 0.0;
+    guide.has_coloured_facets = false;
+    medium_light = vec3f(0.0);
+    medium_weight = 0.0;
+    medium_weighted_distance = 0.0;
+    event_distance = -1.0;
     facets_state = FACETS_DONE;
     waits_for_indirect = false;
     has_indirect = false;
@@ -51,6 +64,37 @@ fn guide_waits() -> bool {
 /// Ends the recording of a path.
 fn end_guide() {
     guide_state = GUIDE_DONE;
+    waits_for_indirect = false;
+}
+
+/// Records that a path passes through a medium on its first segments, which contributes this light around a point.
+fn record_medium(p: vec3f, light: vec3f) {
+    let weight = max(luminance(light), 0.0);
+    guide.alpha = MEDIUM_ALPHA;
+    medium_light += light;
+    medium_weight += weight;
+    medium_weighted_distance += weight * distance(p, guide_ray.origin);
+}
+
+/// Records that a path of this radiance scatters at a point in a medium. What follows is light of the medium before the first
+/// surface, and indirect light behind one that scatters light.
+fn record_event(p: vec3f, surface_index: u32, radiance: vec3f) {
+    if surface_index == 0u {
+        event_distance = distance(p, guide_ray.origin);
+        event_radiance = radiance;
+    } else if waits_for_indirect {
+        waits_for_indirect = false;
+        has_indirect = true;
+        direct_radiance = radiance;
+    }
+}
+
+/// Light of the media on the first segments of a path of this radiance, and its depth.
+fn light_of_media(radiance: vec3f) -> vec4f {
+    let later = select(vec3f(0.0), radiance - event_radiance, event_distance >= 0.0);
+    let weight = max(luminance(later), 0.0);
+    let weighted_distance = medium_weighted_distance + weight * event_distance;
+    return vec4f(medium_light + later, depth_in_medium(weighted_distance / max(medium_weight + weight, 1e-30), frame.far));
 }
 
 /// Records that a path of this radiance has reached a surface that scatters light, unless it is a mirror or glass.
@@ -96,7 +140,10 @@ fn record_guide(
         return;
     }
     guide_state = select(GUIDE_DONE, GUIDE_BEHIND_GLASS, is_glass);
-    guide.position = guide_ray.origin + guide_ray.direction * length;
+    // The length of a path starts anew at the boundaries of media.
+    let starts_anew = HAS_BOUNDARIES && surface_index == 0u;
+    let distance_along_ray = select(length, distance(interaction.p, guide_ray.origin), starts_anew);
+    guide.position = guide_ray.origin + guide_ray.direction * distance_along_ray;
     guide.normal = guide_mirrors * n;
     guide.seen_normal = guide.normal;
     guide.guide_class = select(select(GUIDE_SURFACE, GUIDE_GLASS, is_glass), GUIDE_EMITTER, (flags & EMITS) != 0u);
@@ -107,7 +154,7 @@ fn record_guide(
     guide.seen_object = interaction.leaf;
     guide.leaf = select(NO_LEAF, interaction.leaf, surface_index == 0u);
     guide.is_glossy = is_glass || (flags & GLOSSY) != 0u;
-    if guide.guide_class == GUIDE_SURFACE && guide.is_glossy {
+    if guide.guide_class == GUIDE_SURFACE && guide.is_glossy && guide.alpha == 0.0 {
         let m = leaves[interaction.leaf].material;
         let facets = bsdf_facets(materials[m].kind, m);
         guide.alpha = select(0.0, facets.x, facets.x <= MAX_FACET_ALPHA);
@@ -132,9 +179,14 @@ fn store_guide(pixel: u32, radiance: vec3f) {
     let has_light = any(radiance != vec3f(0.0));
     stored.indirect = select(vec3f(0.0), radiance - direct_radiance, has_indirect && has_light);
     if guide.alpha > 0.0 {
-        var reflected = reflected_light(radiance);
+        var reflected: vec4f;
+        if guide.alpha == MEDIUM_ALPHA {
+            reflected = light_of_media(radiance);
+        } else {
+            reflected = reflected_light(radiance);
+            stored.indirect *= 1.0 - facets_share;
+        }
         reflected = vec4f(select(vec3f(0.0), reflected.xyz, has_light), reflected.w);
-        stored.indirect *= 1.0 - facets_share;
         let of_facets = luminance(reflected.xyz / reflection_divisor(guide));
         stored.reflected = reflected.xyz;
         stored.reflected_square = of_facets * of_facets;

@@ -49,6 +49,8 @@ pub(super) fn follow(
 ) -> Vec<Vertex> {
     let mut vertices: Vec<Option<Vertex>> = vec![None; paths.len()];
     let mut pending: Vec<usize> = (0..paths.len()).collect();
+    // Rays beyond the boundaries of media in which paths scatter, for guides.
+    let mut beyond = Vec::new();
     for crossing in 0..MAX_CROSSINGS {
         if pending.is_empty() {
             break;
@@ -64,10 +66,17 @@ pub(super) fn follow(
         let mut shadow_tests = Vec::new();
         let mut arrivals: Vec<Arrival> = Vec::with_capacity(pending.len());
         let mut arriving = Vec::with_capacity(pending.len());
+        let mut before_sky = Vec::new();
         for (((&index, segment), hit), samples) in pending.iter().zip(&segments).zip(hits).zip(samples) {
             let path = &mut paths[index];
             let throughput = path.throughput;
-            let end = pass(ctx, path, hit, surface_index, &samples, radiance, &mut shadow_tests);
+            let start = path.ray.origin;
+            let Passed { end, emitted } = pass(ctx, path, hit, surface_index, &samples, radiance, &mut shadow_tests);
+            if let (Some((light, depth)), Some(recorder)) =
+                (emitted, recorder.as_deref_mut().filter(|_| surface_index == 0))
+            {
+                recorder.media.pass(path.slot, light, start + path.ray.direction * depth);
+            }
             if matches!(end, SegmentEnd::Event) {
                 vertices[index] = Some(Vertex::Medium);
                 if recorder.is_none() {
@@ -77,22 +86,41 @@ pub(super) fn follow(
             if let Some(hit) = hit {
                 arrivals.push(Arrival { index, hit, throughput, end });
                 arriving.push((*segment, hit));
-            } else if let (SegmentEnd::Event, Some(recorder)) = (&end, &mut recorder) {
-                recorder.end(path.slot);
+            } else if matches!(end, SegmentEnd::Event) {
+                before_sky.push(path.slot);
             }
         }
+        let mut first = recorder.as_deref_mut().filter(|_| surface_index == 0);
+        if let Some(recorder) = &mut first {
+            recorder.media.sample_lights(&shadow_tests);
+        }
         for (slot, light) in shadow::direct_light(ctx, shadow_tests, surface_index) {
-            radiance[slot] += clamped(ctx, light, surface_index);
+            let light = clamped(ctx, light, surface_index);
+            radiance[slot] += light;
+            if let Some(recorder) = &mut first {
+                recorder.media.add_sampled(slot, light);
+            }
+        }
+        if let Some(recorder) = recorder.as_deref_mut() {
+            for &index in pending.iter().filter(|&&index| matches!(vertices[index], Some(Vertex::Medium))) {
+                let path = &paths[index];
+                recorder.record_event(path.slot, path.ray.origin, surface_index, radiance[path.slot]);
+            }
+            before_sky.into_iter().for_each(|slot| recorder.end(slot));
         }
         let seed = |k: usize| paths[arrivals[k].index].sampler.unstratified_seed(surface_index);
         let interactions = surface_interactions(ctx, &arriving, |k, blend| f32::choice(seed(k), blend));
         pending.clear();
         for (Arrival { index, hit, throughput, end }, interaction) in arrivals.into_iter().zip(interactions) {
             let path = &mut paths[index];
-            let is_boundary = ctx.scene.material_of(interaction.leaf).has(BOUNDARY);
-            let is_crossed =
-                is_boundary || ctx.config.nested_dielectrics && ctx.scene.is_skipped(&path.medium, interaction.leaf);
+            let is_crossed = is_crossed(ctx, path, &interaction);
             if let (SegmentEnd::Event, Some(recorder)) = (&end, &mut recorder) {
+                if is_crossed && surface_index == 0 {
+                    let mut ray = path.clone();
+                    cross(ctx, &mut ray, &interaction, hit.t);
+                    beyond.push(Path { throughput, ..ray });
+                    continue;
+                }
                 if !is_crossed {
                     recorder.record(ctx, path, throughput, &interaction, surface_index, radiance);
                 }
@@ -100,10 +128,7 @@ pub(super) fn follow(
                 continue;
             }
             if is_crossed {
-                // Like an event in the medium, the boundary is found to rounding, so that no chord is missed.
-                path.length = if is_boundary { LENGTH_IN_MEDIUM } else { path.length + hit.t };
-                path.medium = medium_after(ctx, &path.medium, interaction.leaf, interaction.inside);
-                path.ray.origin = interaction.p - interaction.normal_offset;
+                cross(ctx, path, &interaction, hit.t);
                 pending.push(index);
             } else {
                 path.length += hit.t;
@@ -112,9 +137,60 @@ pub(super) fn follow(
             }
         }
     }
+    if let Some(recorder) = recorder {
+        record_surfaces_beyond(ctx, beyond, radiance, recorder);
+    }
     let mut kept = vertices.iter();
     paths.retain(|_| kept.next().is_some_and(Option::is_some));
     vertices.into_iter().flatten().collect()
+}
+
+/// True if a path crosses the surface that its ray has reached, as if it were not there.
+fn is_crossed(ctx: &TraceContext, path: &Path, interaction: &SurfaceInteraction) -> bool {
+    ctx.scene.material_of(interaction.leaf).has(BOUNDARY)
+        || ctx.config.nested_dielectrics && ctx.scene.is_skipped(&path.medium, interaction.leaf)
+}
+
+/// Moves a path to the other side of a surface at a distance of `t` metres.
+fn cross(ctx: &TraceContext, path: &mut Path, interaction: &SurfaceInteraction, t: f32) {
+    // Like an event in the medium, the boundary is found to rounding, so that no chord is missed.
+    let is_boundary = ctx.scene.material_of(interaction.leaf).has(BOUNDARY);
+    path.length = if is_boundary { LENGTH_IN_MEDIUM } else { path.length + t };
+    path.medium = medium_after(ctx, &path.medium, interaction.leaf, interaction.inside);
+    path.ray.origin = interaction.p - interaction.normal_offset;
+}
+
+/// Records the first surfaces on the rays of paths that scatter in media before these.
+fn record_surfaces_beyond(ctx: &TraceContext, mut beyond: Vec<Path>, radiance: &[Vec3], recorder: &mut GuideRecorder) {
+    let slots: Vec<usize> = beyond.iter().map(|path| path.slot).collect();
+    for _ in 0..MAX_CROSSINGS {
+        if beyond.is_empty() {
+            break;
+        }
+        let segment_of = |path: &Path| RaySegment { ray: path.ray, path_length: path.length, limit: f32::INFINITY };
+        let segments: Vec<RaySegment> = beyond.iter().map(segment_of).collect();
+        let hits = march(ctx, &segments);
+        let mut arriving: Vec<(RaySegment, Hit)> = Vec::with_capacity(beyond.len());
+        let mut results = segments.into_iter().zip(hits);
+        beyond.retain(|_| {
+            let end = results.next().and_then(|(segment, hit)| Some((segment, hit?)));
+            arriving.extend(end);
+            end.is_some()
+        });
+        let seed = |k: usize| beyond[k].sampler.unstratified_seed(0);
+        let interactions = surface_interactions(ctx, &arriving, |k, blend| f32::choice(seed(k), blend));
+        let mut ends = arriving.into_iter().zip(interactions);
+        beyond.retain_mut(|path| {
+            let Some(((_, hit), interaction)) = ends.next() else { return false };
+            let is_crossed = is_crossed(ctx, path, &interaction);
+            match is_crossed {
+                true => cross(ctx, path, &interaction, hit.t),
+                false => recorder.record(ctx, path, path.throughput, &interaction, 0, radiance),
+            }
+            is_crossed
+        });
+    }
+    slots.into_iter().for_each(|slot| recorder.end(slot));
 }
 
 /// Path at the end of a segment.
@@ -133,6 +209,13 @@ enum SegmentEnd {
     Event,
     /// Surface, or the sky.
     Surface,
+}
+
+/// Passage of a path through a segment.
+struct Passed {
+    end: SegmentEnd,
+    /// Light that the medium emits, and how far away on the segment, metres; `None` if it neither emits nor scatters.
+    emitted: Option<(Vec3, f32)>,
 }
 
 /// Random numbers of a segment.
@@ -170,7 +253,7 @@ fn pass(
     samples: &SegmentSamples,
     radiance: &mut [Vec3],
     shadow_tests: &mut Vec<ShadowTest>,
-) -> SegmentEnd {
+) -> Passed {
     let length = hit.map_or(f32::INFINITY, |hit| hit.t);
     if hit.is_none() && ctx.config.media_are_bounded {
         // A ray that escapes is outside of all solids, even if it missed a surface on its way.
@@ -179,10 +262,14 @@ fn pass(
     let medium = path.medium.with_fog(&ctx.scene.media.fog);
     // Light that a ray hits counts as direct light of the previous surface.
     let bounces = surface_index.saturating_sub(1);
+    let scatters = surface_index <= ctx.frame.bounces && medium.scatters();
+    let mut emitted = scatters.then_some((Vec3::ZERO, 0.0));
     if medium.emits() {
-        radiance[path.slot] += clamped(ctx, path.throughput * emitted_radiance(&medium, length), bounces);
+        let light = clamped(ctx, path.throughput * emitted_radiance(&medium, length), bounces);
+        radiance[path.slot] += light;
+        emitted = Some((light, 0.5 * length.min(medium.extinction().max_element().recip()).min(ctx.frame.far)));
     }
-    if surface_index <= ctx.frame.bounces && medium.scatters() {
+    if scatters {
         // From inside a solid, its surface blocks all shadow rays to lights outside.
         if ctx.config.lights_in_solids || ctx.config.fast_caustics || !path.medium.is_displaced() {
             shadow_tests.extend(scattered_light(ctx, path, &medium, length, samples));
@@ -197,7 +284,7 @@ fn pass(
             });
             path.ray.origin += path.ray.direction * t;
             path.length += t;
-            return SegmentEnd::Event;
+            return Passed { end: SegmentEnd::Event, emitted };
         }
     } else {
         path.throughput *= transmittance(medium.extinction(), length);
@@ -205,7 +292,7 @@ fn pass(
     if hit.is_none() {
         radiance[path.slot] += clamped(ctx, path.throughput * escaped_radiance(ctx, path), bounces);
     }
-    SegmentEnd::Surface
+    Passed { end: SegmentEnd::Surface, emitted }
 }
 
 /// Light of one light that the medium of a segment scatters into a path, before visibility.

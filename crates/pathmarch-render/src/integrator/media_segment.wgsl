@@ -18,10 +18,18 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
         if PARTICIPATING_MEDIA && largest(medium.emission) > 0.0 {
             // Light that a ray hits counts as direct light of the previous surface.
             let bounces = max(surface_index, 1u) - 1u;
-            (*path).radiance += clamped((*path).throughput * emitted_radiance(medium, length), bounces);
+            let emitted = clamped((*path).throughput * emitted_radiance(medium, length), bounces);
+            (*path).radiance += emitted;
+            if surface_index == 0u {
+                let depth = 0.5 * min(min(length, 1.0 / largest(extinction_of(medium))), frame.far);
+                record_medium(ray.origin + ray.direction * depth, emitted);
+            }
         }
         if PARTICIPATING_MEDIA && surface_index <= frame.bounces && largest(medium.scattering) > 0.0 {
             let pair = PAIR_SEGMENT + PAIRS_PER_SEGMENT * (surface_index + SEGMENTS_PER_CROSSING * crossing);
+            if surface_index == 0u {
+                record_medium(ray.origin, vec3f(0.0));
+            }
             if HAS_LIGHTS && (LIGHTS_IN_SOLIDS || FAST_CAUSTICS || !is_displaced((*path).medium)) {
                 add_scattered_light(path, medium, length, pair);
             }
@@ -36,6 +44,7 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
                 (*path).ray.origin = ray.origin + ray.direction * t;
                 (*path).length += t;
                 (*path).is_in_medium = true;
+                record_event((*path).ray.origin, surface_index, (*path).radiance);
                 return true;
             }
             (*path).throughput *= end.weight;
@@ -84,25 +93,43 @@ fn add_scattered_light(path: ptr<function, Path>, medium: Medium, length: f32, p
             (*path).medium,
             unstratified_seed((*path).sampler, (*path).surfaces),
         );
-        (*path).radiance += clamped(scattered * attenuation, (*path).surfaces);
+        let light = clamped(scattered * attenuation, (*path).surfaces);
+        (*path).radiance += light;
+        if (*path).surfaces == 0u {
+            record_medium(p, light);
+        }
     }
 }
 
-/// Records the surface at the end of a segment that scatters the path.
-fn record_surface_behind(path: ptr<function, Path>, hit: Hit) {
-    if hit.t >= 0.0 {
-        let ray = (*path).ray;
+/// Records the surface behind a scattering event of a path, whose segment ends at a hit.
+fn record_surface_behind(path: ptr<function, Path>, first_hit: Hit) {
+    var ray = (*path).ray;
+    var length = (*path).length;
+    var medium = (*path).medium;
+    var hit = first_hit;
+    for (var crossing = 0u; crossing < MAX_CROSSINGS && hit.t >= 0.0; crossing++) {
         let hit_point = ray.origin + ray.direction * hit.t;
         let surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, (*path).surfaces));
         let interaction = resolve_surface(hit_point, ray.direction, hit, surface_at_hit);
         let m = leaves[interaction.leaf].material;
-        let length = (*path).length + hit.t;
-        if (materials[m].flags & EMITS) != 0u {
-            record_guide(interaction, (*path).throughput, length, (*path).surfaces, materials[m].emission);
-        } else if (materials[m].flags & BOUNDARY) == 0u && !is_skipped((*path).medium, interaction.leaf) {
-            evaluate_textures(m, interaction, length);
-            record_guide(interaction, (*path).throughput, length, (*path).surfaces, packed(m, 0u).xyz);
+        let is_boundary = (materials[m].flags & BOUNDARY) != 0u;
+        length += hit.t;
+        if !is_boundary && !is_skipped(medium, interaction.leaf) {
+            var colour = materials[m].emission;
+            if (materials[m].flags & EMITS) == 0u {
+                evaluate_textures(m, interaction, length);
+                colour = packed(m, 0u).xyz;
+            }
+            record_guide(interaction, (*path).throughput, length, (*path).surfaces, colour);
+            break;
         }
+        if (*path).surfaces > 0u {
+            break;
+        }
+        length = select(length, LENGTH_IN_MEDIUM, is_boundary);
+        ray.origin = spawn_origin(interaction, true);
+        medium = medium_after(medium, interaction.leaf, interaction.inside);
+        hit = march(ray, length, AT_INFINITY);
     }
     end_guide();
 }

@@ -13,6 +13,7 @@ pub(crate) mod light_sampling;
 mod light_sampling_lanes;
 pub(crate) mod media_segment;
 pub(crate) mod medium;
+pub(crate) mod medium_light;
 pub(crate) mod moments;
 mod nested_dielectrics;
 mod opaque_surfaces;

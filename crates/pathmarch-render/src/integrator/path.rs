@@ -79,7 +79,7 @@ pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sampl
     let (mut paths, mut radiance) = start_paths(ctx, rays.into_iter().zip(samplers));
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, Some(&mut recorder));
     let radiance = continue_paths(ctx, paths, vertices, radiance, Some(&mut recorder), None);
-    let guides = recorder.into_guides(&radiance);
+    let guides = recorder.into_guides(ctx, &radiance);
     (radiance, guides)
 }
 

@@ -20,7 +20,7 @@ shared_constants! {
     const MAX_FACET_ALPHA: f32 = 0.15;
 }
 
-/// Light of the facets of a surface.
+/// Light of the facets of a surface, or of the media in front of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ReflectedLight {
     /// Mean radiance.
@@ -28,9 +28,9 @@ pub(crate) struct ReflectedLight {
     /// Mean square of the luminance of the samples, divided as the radiance is filtered.
     pub(crate) square: f32,
     /// Distance d from the surface to what is mirrored, as d / (d + l) with the length l of the path to the surface: 0 at the
-    /// surface, 1 at infinity.
+    /// surface, 1 at infinity. For media, the distance from the camera, see `medium_light`.
     pub(crate) depth: f32,
-    /// Width of the distribution of the facets' normals; 0 if there are none.
+    /// Width of the distribution of the facets' normals; `MEDIUM_ALPHA` for media, 0 if there are neither.
     pub(crate) alpha: f32,
     /// True if they reflect in the colour of the surface.
     pub(crate) is_coloured: bool,

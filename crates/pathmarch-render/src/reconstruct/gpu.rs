@@ -116,7 +116,8 @@ impl GpuReconstruction {
         options: &ReconstructOptions,
         display: &Display,
     ) -> Result<Option<Vec<u8>>, RenderError> {
-        let has_facets = input.scene.materials.iter().any(|material| material.has(GLOSSY) && !material.has(DELTA));
+        let is_glossy = input.scene.materials.iter().any(|material| material.has(GLOSSY) && !material.has(DELTA));
+        let has_facets = is_glossy || input.config.media;
         if !self.reserve(size, has_facets) {
             return Ok(None);
         }
@@ -266,7 +267,7 @@ impl GpuReconstruction {
             has_facets: 0,
             past_has_facets: u32::from(past.is_some_and(|past| past.has_facets)),
             has_emitters: u32::from(film.coverages.is_some()),
-            padding: 0,
+            far: frame.far,
         }
     }
 

@@ -61,12 +61,13 @@ shared_struct! {
         pub(super) settles: u32,
         /// Weight of a new picture in the average with the last one.
         pub(super) new_weight: f32,
-        /// Not 0 if light of facets is filtered apart; and in the last picture.
+        /// Not 0 if light of facets or media is filtered apart; and in the last picture.
         pub(super) has_facets: u32,
         pub(super) past_has_facets: u32,
         /// Not 0 if emitters are laid over the picture.
         pub(super) has_emitters: u32,
-        pub(super) padding: u32,
+        /// Far end of all rays, metres.
+        pub(super) far: f32,
     }
 }
 

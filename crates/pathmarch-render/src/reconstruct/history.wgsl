@@ -37,9 +37,22 @@ fn shows_reflector(sought: Guide, there: Guide, side: f32) -> bool {
         && along <= PLANE_TOLERANCE * side + CURVED_TOLERANCE * length(apart);
 }
 
-/// Mean at a position of the last picture, of the pixels that show a point or, of an image, its reflector; its length is 0 if
-/// there are none.
-fn mean_at(place: vec2f, sought: Guide, side: f32, is_image: bool) -> History {
+/// True if a guide of the last picture shows a medium in front of a surface that is as deep in it as that of the sought one.
+/// `distance` is that of the light of the medium.
+fn shows_medium(sought: Guide, there: Guide, light_distance: f32) -> bool {
+    let lengths = vec2f(path_length(sought), distance(there.position, uniforms.past_position));
+    let depths = lengths / (lengths + max(light_distance, 1.1754944e-38));
+    return has_medium(there) && abs(depths.x - depths.y) < MEDIUM_REACH;
+}
+
+/// What `mean_at` looks for: the sought point, a reflector of its image, or a medium.
+const FINDS_POINT = 0u;
+const FINDS_REFLECTOR = 1u;
+const FINDS_MEDIUM = 2u;
+
+/// Mean at a position of the last picture, of the pixels that show what is looked for; its length is 0 if there are none.
+/// `side` is that of a pixel at the point; for media, the distance of their light.
+fn mean_at(place: vec2f, sought: Guide, side: f32, finds: u32) -> History {
     var found: History;
     found.before = place;
     let corner = floor(place - 0.5);
@@ -55,8 +68,10 @@ fn mean_at(place: vec2f, sought: Guide, side: f32, is_image: bool) -> History {
         let pixel = u32(at.y) * uniforms.past_width + u32(at.x);
         let there = past_guide_at(pixel);
         // The mean of several surfaces is that of none.
-        let is_point = !is_image && !there.is_mixed && same_point(sought, there, side);
-        if !is_point && !(is_image && shows_reflector(sought, there, side)) {
+        let is_point = finds == FINDS_POINT && !there.is_mixed && same_point(sought, there, side);
+        let is_reflector = finds == FINDS_REFLECTOR && shows_reflector(sought, there, side);
+        let is_medium = finds == FINDS_MEDIUM && shows_medium(sought, there, side);
+        if !is_point && !is_reflector && !is_medium {
             continue;
         }
         let weights = select(1.0 - part, part, offset == vec2i(1));

@@ -14,6 +14,7 @@ use super::film_view::FilmView;
 use super::planes::Grid;
 use super::{direct_irradiance, luminance, variance_without_facets};
 use crate::integrator::guides::{Guide, GuideClass};
+use crate::integrator::medium_light::MEDIUM_ALPHA;
 use crate::integrator::reflected_light::ReflectedLight;
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
@@ -58,7 +59,9 @@ fn averaged(film: &FilmView, pixels: impl Iterator<Item = usize> + Clone) -> (Gu
     };
     let front = of(front);
     let is_part = |guide: &Guide| {
-        let is_same = guide.object == front.object && guide.is_mixed == front.is_mixed;
+        let is_same = guide.object == front.object
+            && guide.is_mixed == front.is_mixed
+            && guide.has_medium() == front.has_medium();
         is_same && guide.normal.dot(front.normal) >= MIN_BLOCK_COSINE
     };
     let (mut sum, mut position, mut variance, mut count) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0);
@@ -77,7 +80,10 @@ fn averaged(film: &FilmView, pixels: impl Iterator<Item = usize> + Clone) -> (Gu
         albedo: Vec3::ONE,
         square: mean * mean + variance / (count * count),
         is_glossy: front.is_glossy && !front.has_facets(),
-        reflected: ReflectedLight::NONE,
+        reflected: ReflectedLight {
+            alpha: if front.has_medium() { MEDIUM_ALPHA } else { 0.0 },
+            ..ReflectedLight::NONE
+        },
         indirect: Vec3::ZERO,
         ..*front
     };
@@ -124,7 +130,8 @@ impl HalfFilm {
 
 /// Weight of a pixel of half the resolution for one of the full resolution, whose sides are `pixel` at distance one.
 fn similarity(guide: &Guide, half: &Guide, pixel: f32) -> f32 {
-    if half.class != GuideClass::Surface || half.object != guide.object {
+    let is_same = half.object == guide.object && half.has_medium() == guide.has_medium();
+    if half.class != GuideClass::Surface || !is_same {
         return 0.0;
     }
     let apart = half.position - guide.position;

@@ -44,7 +44,8 @@ fn halve(@builtin(global_invocation_id) id: vec3u) {
                 continue;
             }
             let guide = guide_at(pixel_index(place));
-            let is_same = guide.object == front.object && guide.is_mixed == front.is_mixed;
+            let is_same = guide.object == front.object && guide.is_mixed == front.is_mixed
+                && has_medium(guide) == has_medium(front);
             let is_part = guide.guide_class == GUIDE_SURFACE && is_same;
             if is_part && dot(guide.normal, front.normal) >= MIN_BLOCK_COSINE {
                 irradiance += guide.indirect / divisor(guide);
@@ -59,8 +60,8 @@ fn halve(@builtin(global_invocation_id) id: vec3u) {
         averaged.albedo = vec3f(1.0);
         let mean = luminance(irradiance);
         averaged.square = mean * mean + variance / (count * count);
-        averaged.is_glossy = front.is_glossy && front.alpha == 0.0;
-        averaged.alpha = 0.0;
+        averaged.is_glossy = front.is_glossy && !has_facets(front);
+        averaged.alpha = select(0.0, MEDIUM_ALPHA, has_medium(front));
         averaged.reflected = vec3f(0.0);
         averaged.reflected_square = 0.0;
         averaged.indirect = vec3f(0.0);
@@ -76,7 +77,7 @@ fn halve(@builtin(global_invocation_id) id: vec3u) {
 
 /// Weight of a pixel of half the resolution for one of the full resolution.
 fn interpolation_weight(guide: Guide, half: Guide) -> f32 {
-    if half.guide_class != GUIDE_SURFACE || half.object != guide.object {
+    if half.guide_class != GUIDE_SURFACE || half.object != guide.object || has_medium(half) != has_medium(guide) {
         return 0.0;
     }
     let apart = half.position - guide.position;

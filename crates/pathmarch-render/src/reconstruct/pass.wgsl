@@ -1,4 +1,4 @@
-// import: integrator/guide
+// import: integrator/guide, integrator/medium_light
 // Buffers of all passes, and what they share. Twin of mod.rs and of the geometry in temporal.rs.
 
 @group(0) @binding(0) var<storage, read> uniforms: PassUniforms;
@@ -36,6 +36,16 @@ struct History {
     moments: vec2f,
     /// Position of the pixel's point in the last picture, pixels of its samples; negative where it was hidden.
     before: vec2f,
+}
+
+/// True if the light of facets of the surface is recorded apart.
+fn has_facets(guide: Guide) -> bool {
+    return guide.alpha > 0.0 && !has_medium(guide);
+}
+
+/// True if the light of media in front of the surface is recorded apart.
+fn has_medium(guide: Guide) -> bool {
+    return guide.alpha == MEDIUM_ALPHA;
 }
 
 fn guide_at(pixel: u32) -> Guide {
@@ -128,7 +138,8 @@ fn moved_back(guide: Guide) -> SurfacePoint {
 
 /// True if a guide and one of the last picture show one place of one surface, to within a few sides of a pixel.
 fn same_point(a: Guide, b: Guide, pixel: f32) -> bool {
-    if a.guide_class != b.guide_class || a.object != b.object {
+    // A medium in front of a surface takes light from it.
+    if a.guide_class != b.guide_class || a.object != b.object || has_medium(a) != has_medium(b) {
         return false;
     }
     if a.guide_class == GUIDE_SKY {

@@ -1,4 +1,5 @@
-//! Light that the facets of glossy surfaces reflect, accumulated along the motion of its images.
+//! Light that does not move with the surface of its pixel: what facets reflect, accumulated along the motion of its images, and
+//! what media in front of the surface scatter, accumulated along its own.
 //!
 //! **Idea.** A reflection does not move with its surface. What a flat and smooth surface mirrors appears as far behind it
 //! as it is in front; this image stands still when the camera moves, and is looked up in the last picture. A curved
@@ -8,12 +9,16 @@
 //! sharp images. The more a surface turns from pixel to pixel, beside the width of its facets' distribution, the less is
 //! known where its images were, and the shorter are their histories.
 //!
+//! Light of media moves as a point at its mean distance from the camera. It is shared among all pixels whose surfaces are equally
+//! deep in the medium.
+//!
 //! **Source.** Images of reflections as points of their own motion: Zimmer et al. 2015, "Path-space Motion Estimation and
 //! Decomposition for Robust Animation Filtering". Filters as wide as roughness and the distance of what is mirrored allow:
 //! Zhdan 2021, "ReBLUR: A Hierarchical Recurrent Denoiser".
 //!
 //! **Limits.** Images in moving surfaces start anew after a few samples. Light that is refracted on its way moves in another
-//! way than the surface that refracts it, which is taken for the image.
+//! way than the surface that refracts it, which is taken for the image. What is near in a medium moves faster than what is far,
+//! so that histories of its light are short.
 
 use super::motion::EarlierPoints;
 use super::planes::box_sums;
@@ -22,6 +27,7 @@ use super::temporal::{
 };
 use super::{Changes, luminance};
 use crate::integrator::guides::Guide;
+use crate::integrator::medium_light::{MEDIUM_REACH, distance_in_medium};
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
@@ -39,26 +45,30 @@ shared_constants! {
     /// Largest share of the depth of an image in its distance from the camera.
     const MAX_IMAGE_DEPTH: f32 = 0.9999;
     /// Depth of images in surfaces that are not smooth.
-    const NO_IMAGE: f32 = -1.0;
+    const NO_IMAGE: f32 = -3e38;
     /// Weight of pixels without light of facets, W/(m² sr).
     const DARK_WEIGHT: f32 = 1e-6;
     /// Turn of normals from pixel to pixel below which a surface is flat, radians.
     const MIN_TURN: f32 = 1e-9;
+    /// Longest history of light of media while the camera moves, samples: what is far and what is near move differently.
+    const MAX_MEDIUM_HISTORY: f32 = 3.0;
     /// Longest history of light of facets whose image the last picture does not show, while the camera moves, samples.
     const MAX_IMAGELESS_HISTORY: f32 = 3.0;
 }
 
-/// True if some pixel shows facets.
+/// True if some pixel shows facets or media.
 pub(super) fn exist(guides: &[Guide]) -> bool {
-    guides.iter().any(Guide::has_facets)
+    guides.iter().any(Guide::has_layer)
 }
 
-/// Image of what the facets of a pixel mirror.
+/// Image of what the facets of a pixel mirror, or of a medium.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Image {
-    /// Distance of the image behind the surface, metres; [`NO_IMAGE`] if the surface is not smooth.
+    /// Distance of the image behind the surface, metres, below 0 for media in front of it; [`NO_IMAGE`] if the surface is not
+    /// smooth.
     depth: f32,
-    /// Largest distance of points of the surface that share their light, metres.
+    /// Largest distance of points of the surface that share their light, metres; the [depth of the surface](depth_of_surface)
+    /// in the medium in front of it.
     pub(super) reach: f32,
     /// Least and largest plausible luminance, divided as the light is filtered.
     limits: [f32; 2],
@@ -66,13 +76,13 @@ pub(super) struct Image {
     max_history: f32,
 }
 
-/// Images of all pixels, whose facets reflect this light, divided as it is filtered.
+/// Images of all pixels, whose facets or media have this light, divided as it is filtered.
 pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]) -> Vec<Image> {
     let size = frame.size();
     let around = box_sums(size, IMAGE_RADIUS, |index| {
         let guide = &guides[index];
         let light = luminance(reflected[index]);
-        if !guide.has_facets() {
+        if !guide.has_layer() {
             return [0.0; 5];
         }
         let weight = luminance(guide.reflected.radiance) + DARK_WEIGHT;
@@ -80,11 +90,17 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
     });
     let image = |index: usize| {
         let guide = &guides[index];
-        if !guide.has_facets() {
+        if !guide.has_layer() {
             return Image::default();
         }
-        let [light, squares, weight, weighted_depth, facets] = around.at(index);
+        let [light, squares, weight, weighted_depth, count] = around.at(index);
         let depth = (weighted_depth / weight).min(MAX_IMAGE_DEPTH);
+        let limits = plausible_range([light, squares, count], IMAGE_REACH);
+        if guide.has_medium() {
+            let distance = distance_in_medium(depth, frame.far);
+            let reach = depth_of_surface(guide.length, distance);
+            return Image { depth: distance - guide.length, reach, limits, max_history: MAX_MEDIUM_HISTORY };
+        }
         let distance = guide.length * depth / (1.0 - depth);
         let lobe_reach = LOBE_REACH * guide.reflected.alpha * distance;
         let Some([curvature, turn]) = curvature(guides, size, index) else {
@@ -94,11 +110,17 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
         Image {
             depth: distance / bent.max(MIN_MAGNIFICATION),
             reach: lobe_reach,
-            limits: plausible_range([light, squares, facets], IMAGE_REACH),
+            limits,
             max_history: guide.reflected.alpha / (turn * frame.pixel * guide.length + MIN_TURN),
         }
     };
     (0..guides.len()).into_par_iter().with_min_len(1024).map(image).collect()
+}
+
+/// Depth of a surface at a distance from the camera in a medium whose light has this mean distance: 0 at the camera, 1/2 where
+/// most light is, 1 at infinity.
+fn depth_of_surface(length: f32, distance: f32) -> f32 {
+    length / (length + distance.max(f32::MIN_POSITIVE))
 }
 
 /// Mean curvature of a surface at a pixel, above 0 if it is convex, and by how much its normal turns, both per metre. `None` if
@@ -116,7 +138,7 @@ fn curvature(guides: &[Guide], size: [u32; 2], index: usize) -> Option<[f32; 2]>
     (count >= SMOOTH_NEIGHBOURS).then(|| [curvature, turn].map(|sum| sum / count as f32))
 }
 
-/// Joins new samples of the light of facets with the past, if the last picture showed any.
+/// Joins new samples of the light of facets or media with the past, if the last picture showed any.
 pub(super) fn accumulated(
     frame: &FrameUniforms,
     guides: &[Guide],
@@ -131,20 +153,31 @@ pub(super) fn accumulated(
     let join = |index: usize| {
         let (guide, image) = (&guides[index], &images[index]);
         let alone = PixelMean::alone(&new, index, guide.reflected.square);
-        let Some((past, means, earlier)) = past.filter(|_| guide.has_facets()) else { return alone };
+        let Some((past, means, earlier)) = past.filter(|_| guide.has_layer()) else { return alone };
         let earlier = earlier.at(index, guide);
         let sought = past.sought(guide, earlier, frame);
+        let max_length = if moves { changes.max_history.min(image.max_history) } else { changes.max_history };
         let mirrored = guide.position + (guide.position - eye).normalize() * image.depth;
+        if guide.has_medium() {
+            let distance = image.depth + guide.length;
+            let shows = |index: usize| {
+                let depth = depth_of_surface(past.length(index), distance);
+                past.guides[index].has_medium() && (depth - image.reach).abs() < MEDIUM_REACH
+            };
+            let place = past.projection.project(mirrored);
+            let found = place.and_then(|place| past.mean_at(place, means, shows));
+            let clamp = Clamp { limits: changes.scene.then_some(image.limits), max_length };
+            return found.map_or(alone, |found| joined(found, alone, clamp));
+        }
         // In a surface that moves, the image moves as well.
         let stands_still = earlier.position == guide.position;
-        let place = past.projection.project(mirrored).filter(|_| stands_still && moves && image.depth >= 0.0);
+        let place = past.projection.project(mirrored).filter(|_| stands_still && moves && image.depth > NO_IMAGE);
         let of_image = place.and_then(|place| past.mean_at(place, means, |index| past.shows_reflector(index, &sought)));
         let found = of_image.or_else(|| {
             let mut mean = past.find(&sought, means)?;
             mean.length = if moves { mean.length.min(MAX_IMAGELESS_HISTORY) } else { mean.length };
             Some(mean)
         });
-        let max_length = if moves { changes.max_history.min(image.max_history) } else { changes.max_history };
         let clamp = Clamp { limits: (moves || changes.scene).then_some(image.limits), max_length };
         found.map_or(alone, |found| joined(found, alone, clamp))
     };

@@ -1,5 +1,5 @@
 // import: reconstruct/history
-// Light of facets. Twin of reflections.rs, which explains it.
+// Light of facets and media. Twin of reflections.rs, which explains it.
 
 /// Divides the light that facets reflect by their colour.
 @compute @workgroup_size(8, 8)
@@ -12,6 +12,11 @@ fn divide_reflected(@builtin(global_invocation_id) id: vec3u) {
     let guide = guide_at(pixel);
     let light = guide.reflected / reflection_divisor(guide);
     estimates[pixel] = vec4f(light, luminance(light));
+}
+
+/// Depth of a surface at a distance from the camera in a medium whose light has this mean distance.
+fn depth_of_surface(length: f32, distance: f32) -> f32 {
+    return length / (length + max(distance, 1.1754944e-38));
 }
 
 /// Adds up luminance, its square, weight and weighted depth along the rows, and the number of pixels with facets, which the
@@ -58,6 +63,15 @@ fn find_images(@builtin(global_invocation_id) id: vec3u) {
         facets += history[pixel_index(vec2i(position.x, y))].length;
     }
     let depth = min(sum.w / sum.z, MAX_IMAGE_DEPTH);
+    let mean = sum.x / facets;
+    let reach = sqrt(max(sum.y / facets - mean * mean, 0.0)) * IMAGE_REACH;
+    let limits = vec2f(max(mean - reach, 0.0), mean + reach);
+    if has_medium(guide) {
+        let distance = distance_in_medium(depth, uniforms.far);
+        let length = path_length(guide);
+        next_estimates[pixel] = vec4f(distance - length, depth_of_surface(length, distance), limits);
+        return;
+    }
     let distance = path_length(guide) * depth / (1.0 - depth);
     let lobe_reach = LOBE_REACH * guide.alpha * distance;
     let curved = curvature(position, guide);
@@ -66,9 +80,7 @@ fn find_images(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let bent = 1.0 + 2.0 * curved.curvature * distance;
-    let mean = sum.x / facets;
-    let reach = sqrt(max(sum.y / facets - mean * mean, 0.0)) * IMAGE_REACH;
-    next_estimates[pixel] = vec4f(distance / max(bent, MIN_MAGNIFICATION), lobe_reach, max(mean - reach, 0.0), mean + reach);
+    next_estimates[pixel] = vec4f(distance / max(bent, MIN_MAGNIFICATION), lobe_reach, limits);
 }
 
 /// Continues the means of the last picture.
@@ -89,22 +101,32 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
     let moved = earlier(guide, pixel);
     let side = coarser_pixel(guide);
     let moves = uniforms.camera_moves != 0u;
+    let mirrored = guide.position + normalize(guide.position - uniforms.position) * image.x;
+    let is_medium = has_medium(guide);
+    let has_limits = uniforms.scene_changed != 0u || moves && !is_medium;
+    let limits = select(vec2f(0.0, 3e38), image.zw, has_limits);
     var found: History;
+    if is_medium {
+        found = mean_at(project_before(mirrored), moved, image.x + path_length(guide), FINDS_MEDIUM);
+        if found.length > 0.0 {
+            let max_history = select(uniforms.max_history, min(uniforms.max_history, MAX_MEDIUM_HISTORY), moves);
+            history[pixel] = joined(found, alone, limits, max_history);
+        }
+        return;
+    }
     // In a surface that moves, the image moves as well.
-    if moves && image.x >= 0.0 && all(moved.position == guide.position) {
-        let mirrored = guide.position + normalize(guide.position - uniforms.position) * image.x;
-        found = mean_at(project_before(mirrored), moved, side, true);
+    if moves && image.x > NO_IMAGE && all(moved.position == guide.position) {
+        found = mean_at(project_before(mirrored), moved, side, FINDS_REFLECTOR);
     }
     if found.length <= 0.0 {
-        found = mean_at(project_before(moved.position), moved, side, false);
+        found = mean_at(project_before(moved.position), moved, side, FINDS_POINT);
         found.length = select(found.length, min(found.length, MAX_IMAGELESS_HISTORY), moves);
     }
     if found.length <= 0.0 {
         return;
     }
-    let limits = select(vec2f(0.0, 3e38), image.zw, moves || uniforms.scene_changed != 0u);
     var max_history = uniforms.max_history;
-    if moves && image.x >= 0.0 {
+    if moves && image.x > NO_IMAGE {
         let turn = curvature(position, guide).turn * uniforms.pixel * path_length(guide);
         max_history = min(max_history, guide.alpha / (turn + MIN_TURN));
     }

@@ -4,6 +4,7 @@ use super::planes::{Grid, Place, Planes, square_around};
 use super::reflections::Image;
 use super::temporal::{History, PixelMean};
 use crate::integrator::guides::{Guide, GuideClass};
+use crate::integrator::medium_light::MEDIUM_REACH;
 use crate::scene::light::LUMINANCE_WEIGHTS;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
@@ -71,13 +72,14 @@ impl SurfacePlanes {
         (margin[3], margin[10]) = (1.0, UNFILTERED);
         Self(Planes::new(grid, margin, |index| {
             let guide = &guides[index];
+            let behind_medium = u32::from(guide.has_medium());
             let surface = match guide.class {
                 GuideClass::Sky | GuideClass::Emitter => UNFILTERED,
                 // The mean of several surfaces is that of none.
                 _ if settles && guide.is_mixed => UNFILTERED,
-                GuideClass::Surface => (2 * guide.object) as f32,
+                GuideClass::Surface => (4 * guide.object + behind_medium) as f32,
                 // Pixels of glass share light if they show one object.
-                GuideClass::Glass => (2 * guide.seen_object + 1) as f32,
+                GuideClass::Glass => (4 * guide.seen_object + 2 + behind_medium) as f32,
             };
             let ([px, py, pz], [nx, ny, nz]) = (guide.position.to_array(), guide.normal.to_array());
             let [sx, sy, sz] = guide.seen_normal.to_array();
@@ -93,29 +95,32 @@ impl SurfacePlanes {
 }
 
 /// Largest distances at which the light of facets is shared, metres, see [`Image::reach`], [`NO_FACETS`] where there are none;
-/// and largest distances of normals.
-struct Reaches(Planes<2>);
+/// largest distances of normals; depths of surfaces in media, [`NO_MEDIUM`] where there are none.
+struct Reaches(Planes<3>);
 
 /// Reach of pixels without facets.
 const NO_FACETS: f32 = -1.0;
+/// Depth of surfaces without a medium in front of them.
+const NO_MEDIUM: f32 = -1.0;
 
 impl Reaches {
     fn new(grid: Grid, guides: &[Guide], images: &[Image]) -> Self {
-        Self(Planes::new(grid, [NO_FACETS, 1.0], |index| match guides[index].reflected.alpha {
-            0.0 => [NO_FACETS, 1.0],
-            alpha => [images[index].reach, TURN_REACH * alpha],
+        Self(Planes::new(grid, [NO_FACETS, 1.0, NO_MEDIUM], |index| match &guides[index] {
+            guide if guide.has_medium() => [NO_FACETS, 1.0, images[index].reach],
+            guide if guide.has_facets() => [images[index].reach, TURN_REACH * guide.reflected.alpha, NO_MEDIUM],
+            _ => [NO_FACETS, 1.0, NO_MEDIUM],
         }))
     }
 
-    /// True if one of eight pixels has facets.
+    /// True if one of eight pixels has facets or a medium.
     #[inline(always)]
     fn has_any(&self, place: Place) -> bool {
-        self.0.load(0, place).simd_ge(f32x8::ZERO).any()
+        self.0.load(0, place).max(self.0.load(2, place)).simd_ge(f32x8::ZERO).any()
     }
 
-    /// Weights of pairs of pixels as parts of one reflection; the same for both.
+    /// Weights of pairs of pixels that share light of facets or media, from their similarities; the same for both.
     #[inline(always)]
-    fn shares(&self, [a, b]: [&Surfaces; 2], [here, there]: [Place; 2]) -> f32x8 {
+    fn weights(&self, similarity: f32x8, [a, b]: [&Surfaces; 2], [here, there]: [Place; 2]) -> f32x8 {
         let ([ax, ay, az], [bx, by, bz]) = (a.position, b.position);
         let apart = [ax - bx, ay - by, az - bz];
         let least = self.0.load(0, here).min(self.0.load(0, there));
@@ -124,7 +129,12 @@ impl Reaches {
         let turned = [ax - bx, ay - by, az - bz];
         let turn_reach = self.0.load(1, here).min(self.0.load(1, there));
         let share = f32x8::ONE - dot(apart, apart) / (reach * reach) - dot(turned, turned) / (turn_reach * turn_reach);
-        least.simd_ge(f32x8::ZERO) & share.max(f32x8::ZERO)
+        let of_facets = least.simd_ge(f32x8::ZERO) & (similarity * share.max(f32x8::ZERO));
+        let [depth_here, depth_there] = [here, there].map(|place| self.0.load(2, place));
+        let [are_media, is_medium] =
+            [depth_here.min(depth_there), depth_here.max(depth_there)].map(|depth| depth.simd_ge(f32x8::ZERO));
+        let of_media = f32x8::ONE - (depth_here - depth_there).abs() / f32x8::splat(MEDIUM_REACH);
+        is_medium.select(are_media & of_media.max(f32x8::ZERO), of_facets)
     }
 }
 
@@ -173,8 +183,8 @@ impl PairWeights {
             let surface = surfaces.at(place);
             for (k, (([dx, dy], _), similarity)) in HALF_OF_TAPS.into_iter().zip(&mut similarities).enumerate() {
                 if let Some(other) = place.moved(grid, step * dx, step * dy) {
-                    let share = reaches.shares([&surface, &surfaces.at(other)], [place, other]);
-                    *similarity = self.similarities.load(k, place) * share;
+                    let alike = self.similarities.load(k, place);
+                    *similarity = reaches.weights(alike, [&surface, &surfaces.at(other)], [place, other]);
                 }
             }
             similarities
@@ -317,7 +327,7 @@ fn first_estimates(
                 let there = surfaces.at(other);
                 let similarity = surface.similarity(&there, VARIANCE_RADIUS as f32);
                 let weight = match reaches {
-                    Some(reaches) => similarity * reaches.shares([&surface, &there], [place, other]),
+                    Some(reaches) => reaches.weights(similarity, [&surface, &there], [place, other]),
                     None => similarity,
                 };
                 means_around += means.load(3, other) * weight;
@@ -328,7 +338,10 @@ fn first_estimates(
             square = is_young.select(squares_around / total, square);
         }
         let variance = (square - mean * mean).max(f32x8::ZERO) / length.max(f32x8::ONE);
-        let is_filtered = surface.surface.simd_ge(f32x8::ZERO);
+        let mut is_filtered = surface.surface.simd_ge(f32x8::ZERO);
+        if let Some(reaches) = reaches {
+            is_filtered |= reaches.0.load(2, place).simd_ge(f32x8::ZERO);
+        }
         [r, g, b, is_filtered & variance]
     })
 }

@@ -9,8 +9,14 @@ override LUMINANCE_REACH: f32 = 2.0;
 /// Surface of pixels without noise.
 const NOT_FILTERED = 0xffffffffu;
 
+/// Surface of pixels with light of media.
+const MEDIUM = 0xfffffffeu;
+
 /// Equal on pixels that may share their light; `NOT_FILTERED` for those without noise.
 fn surface_of(guide: Guide) -> u32 {
+    if is_of_medium(guide) {
+        return MEDIUM;
+    }
     // The mean of several surfaces is that of none.
     if guide.guide_class == GUIDE_SKY || guide.guide_class == GUIDE_EMITTER || (uniforms.settles != 0u && guide.is_mixed) {
         return NOT_FILTERED;
@@ -19,7 +25,8 @@ fn surface_of(guide: Guide) -> u32 {
         return NOT_FILTERED;
     }
     // Pixels of glass share light if they show one object.
-    return select(2u * guide.object, 2u * guide.seen_object + 1u, guide.guide_class == GUIDE_GLASS);
+    let surface = select(2u * guide.object, 2u * guide.seen_object + 1u, guide.guide_class == GUIDE_GLASS);
+    return 2u * surface + u32(has_medium(guide));
 }
 
 /// Weight of two pixels, `distance` pixels apart, as parts of one smooth surface; the same for both. They have these indices.
@@ -27,6 +34,9 @@ fn similarity(a: Guide, b: Guide, pixels: vec2u, distance: f32) -> f32 {
     let surface = surface_of(a);
     if surface == NOT_FILTERED || surface != surface_of(b) {
         return 0.0;
+    }
+    if surface == MEDIUM {
+        return shared_medium(pixels);
     }
     let apart = a.position - b.position;
     let along = max(abs(dot(a.normal, apart)), abs(dot(b.normal, apart)));

@@ -52,9 +52,9 @@ pub(super) struct SoughtPoint {
     is_sky: bool,
 }
 
-/// Surface of a guide, as a number that is equal on points of one surface.
+/// Surface of a guide, as a number that is equal on points of one surface: a medium in front of it takes light from it.
 fn surface_of(guide: &Guide) -> u32 {
-    4 * guide.object + guide.class as u32
+    8 * guide.object + 2 * guide.class as u32 + u32::from(guide.has_medium())
 }
 
 impl ShownPoint {
@@ -260,6 +260,11 @@ impl History {
         let position = self.projection.project(sought.position)?;
         // The mean of several surfaces is that of none.
         self.mean_at(position, means, |index| self.points[index].is_at(sought) && !self.guides[index].is_mixed)
+    }
+
+    /// Distance from the camera of what a pixel shows, metres.
+    pub(super) fn length(&self, index: usize) -> f32 {
+        self.guides[index].length
     }
 
     /// True if a pixel shows a part of a surface that mirrors what the sought point of it mirrors.

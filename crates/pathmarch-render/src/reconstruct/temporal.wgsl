@@ -39,7 +39,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     }
     let moved = earlier(guide, pixel);
     let place = project_before(moved.position);
-    let found = mean_at(place, moved, coarser_pixel(guide), false);
+    let found = mean_at(place, moved, coarser_pixel(guide), FINDS_POINT);
     if found.length <= 0.0 {
         return;
     }
@@ -49,7 +49,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     }
     var max_length = uniforms.max_history;
     if uniforms.camera_moves != 0u {
-        if guide.is_glossy && guide.alpha == 0.0 {
+        if guide.is_glossy && !has_facets(guide) {
             max_length = min(max_length, MAX_GLOSSY_HISTORY);
         } else if curvature(position, guide).count < f32(SMOOTH_NEIGHBOURS) {
             max_length = min(max_length, MAX_ROUGH_HISTORY);

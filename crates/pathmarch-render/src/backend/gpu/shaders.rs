@@ -8,8 +8,8 @@ use super::encode;
 use super::loop_limit::SuspendedPath;
 use super::slice::{self, Slice};
 use crate::integrator::{
-    emitter_coverage, emitter_edges, guides, light_sampling, media_segment, medium, participating_media, path_reuse,
-    path_state, reflected_light, shadow, splitting,
+    emitter_coverage, emitter_edges, guides, light_sampling, media_segment, medium, medium_light, participating_media,
+    path_reuse, path_state, reflected_light, shadow, splitting,
 };
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
@@ -79,6 +79,7 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/light_weights" shares encode::light::direct_lighting_wgsl,
     "integrator/media_segment" shares media_segment::shared_wgsl,
     "integrator/medium" shares medium::shared_wgsl,
+    "integrator/medium_light" shares medium_light::shared_wgsl,
     "integrator/mesh_lights",
     "integrator/moments",
     "integrator/nested_dielectrics" shares nested_dielectrics::shared_wgsl,
