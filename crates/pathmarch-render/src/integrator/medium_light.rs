@@ -176,4 +176,16 @@ mod tests {
         // The wall is where it is, behind the boundary as well.
         assert!(samples.iter().all(|(_, guide)| guide.position.z.abs() < 1e-3), "{:?}", samples[300].1);
     }
+
+    #[test]
+    fn surfaces_behind_smoke_are_known() {
+        let (_, samples) = sampled(
+            "camera { position 0 0 5; target 0 0 0; fov 5 }\nsky 1\nmaterial \"smoke\" { medium 2 }\n\
+             object \"wall\" { rect 9 { normal 0 0 1 } }\nobject \"near\" material=\"smoke\" { sphere 0.5 { at 0 0 3 } }\n\
+             object \"far\" material=\"smoke\" { sphere 0.5 { at 0 0 1 } }",
+        );
+        let scattered = samples.iter().filter(|(radiance, guide)| guide.reflected.radiance == *radiance).count();
+        assert!((100..570).contains(&scattered), "{scattered}");
+        assert!(samples.iter().all(|(_, guide)| guide.has_medium() && guide.position.z.abs() < 1e-3));
+    }
 }

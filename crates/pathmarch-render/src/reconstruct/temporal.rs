@@ -366,6 +366,7 @@ mod tests {
     use super::*;
     use crate::backend::RenderInput;
     use crate::integrator::camera::central_ray;
+    use crate::integrator::medium_light::MEDIUM_ALPHA;
     use crate::settings::Settings;
     use pathmarch_scene::Scene;
 
@@ -430,6 +431,7 @@ mod tests {
         assert!(all(lengths([EYE, EYE], |guide| guide.normal = Vec3::new(0.7, 0.0, 0.714)), 1.0), "normal");
         assert!(all(lengths([EYE, EYE], |guide| guide.object = 2), 1.0), "object");
         assert!(all(lengths([EYE, EYE], |guide| guide.class = GuideClass::Glass), 1.0), "class");
+        assert!(all(lengths([EYE, EYE], |guide| guide.reflected.alpha = MEDIUM_ALPHA), 1.0), "medium");
         assert!(all(lengths([EYE, EYE], |guide| guide.position = Vec3::splat(f32::NAN)), 1.0), "no position");
     }
 
