@@ -8,6 +8,7 @@
 use super::medium_light::{MEDIUM_ALPHA, MediumLightRecorder};
 use super::path_state::Path;
 use super::reflected_light::{ReflectedLight, ReflectionRecorder};
+use super::shadow::ShadowTest;
 use crate::intersect::ray::Ray;
 use crate::scene::TraceContext;
 use crate::scene::leaf::FRACTAL;
@@ -225,7 +226,7 @@ impl GuideRecorder {
         let guides = camera_rays.iter().map(sky).collect();
         let states = vec![State::Mirrored(Mat3::IDENTITY); camera_rays.len()];
         let (reflections, direct) = (ReflectionRecorder::new(camera_rays.len()), vec![None; camera_rays.len()]);
-        let media = MediumLightRecorder::new(camera_rays.iter().map(|ray| ray.origin));
+        let media = MediumLightRecorder::new(if ctx.config.media { camera_rays.len() } else { 0 });
         Self { reflections, media, camera_rays, guides, states, direct }
     }
 
@@ -234,11 +235,28 @@ impl GuideRecorder {
         self.states[slot] = State::Done;
     }
 
+    /// Distance of a point from the origin of a camera ray, metres.
+    fn distance(&self, slot: usize, p: Vec3) -> f32 {
+        p.distance(self.camera_rays[slot].origin)
+    }
+
+    /// Records that a path passes through a medium on its first segments, which emits this light around a point.
+    pub(super) fn record_medium(&mut self, slot: usize, p: Vec3, emitted: Vec3) {
+        self.media.pass(slot, emitted, self.distance(slot, p));
+    }
+
+    /// Records where light that media scatter is sampled.
+    pub(super) fn sample_lights_in_media(&mut self, tests: &[ShadowTest]) {
+        for test in tests {
+            self.media.sample_light(test.slot, self.distance(test.slot, test.ray.origin));
+        }
+    }
+
     /// Records that a path of this radiance scatters at a point in a medium. What follows is light of the medium before the
     /// first surface, and indirect light behind one that scatters light.
     pub(super) fn record_event(&mut self, slot: usize, p: Vec3, surface_index: u32, radiance: Vec3) {
         if surface_index == 0 {
-            self.media.scatter(slot, p, radiance);
+            self.media.scatter(slot, self.distance(slot, p), radiance);
         } else if matches!(self.states[slot], State::Scattered) {
             self.direct[slot] = Some(radiance);
             self.states[slot] = State::Done;
@@ -306,7 +324,7 @@ impl GuideRecorder {
         let normal = mirrors * interaction.normal;
         // The length of a path starts anew at the boundaries of media.
         let starts_anew = ctx.config.boundaries && surface_index == 0;
-        let length = if starts_anew { self.media.distance(slot, interaction.p) } else { interaction.length };
+        let length = if starts_anew { interaction.p.distance(ray.origin) } else { interaction.length };
         *guide = Guide {
             position: ray.origin + ray.direction * length,
             normal,

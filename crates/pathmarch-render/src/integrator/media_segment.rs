@@ -75,7 +75,7 @@ pub(super) fn follow(
             if let (Some((light, depth)), Some(recorder)) =
                 (emitted, recorder.as_deref_mut().filter(|_| surface_index == 0))
             {
-                recorder.media.pass(path.slot, light, start + path.ray.direction * depth);
+                recorder.record_medium(path.slot, start + path.ray.direction * depth, light);
             }
             if matches!(end, SegmentEnd::Event) {
                 vertices[index] = Some(Vertex::Medium);
@@ -92,7 +92,7 @@ pub(super) fn follow(
         }
         let mut first = recorder.as_deref_mut().filter(|_| surface_index == 0);
         if let Some(recorder) = &mut first {
-            recorder.media.sample_lights(&shadow_tests);
+            recorder.sample_lights_in_media(&shadow_tests);
         }
         for (slot, light) in shadow::direct_light(ctx, shadow_tests, surface_index) {
             let light = clamped(ctx, light, surface_index);
@@ -116,9 +116,9 @@ pub(super) fn follow(
             let is_crossed = is_crossed(ctx, path, &interaction);
             if let (SegmentEnd::Event, Some(recorder)) = (&end, &mut recorder) {
                 if is_crossed && surface_index == 0 {
-                    let mut ray = path.clone();
-                    cross(ctx, &mut ray, &interaction, hit.t);
-                    beyond.push(Path { throughput, ..ray });
+                    let mut crossing = Path { throughput, ..path.clone() };
+                    cross(ctx, &mut crossing, &interaction, hit.t);
+                    beyond.push(crossing);
                     continue;
                 }
                 if !is_crossed {

@@ -5,7 +5,6 @@
 //! luminance.
 
 use super::reflected_light::ReflectedLight;
-use super::shadow::ShadowTest;
 use crate::scene::light::luminance;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
@@ -29,10 +28,8 @@ pub(crate) fn distance_in_medium(depth: f32, far: f32) -> f32 {
     MEDIUM_SCALE * far * depth / (1.0 - depth)
 }
 
-/// Light being recorded, one for each path.
+/// Light being recorded, one for each path; empty in scenes without media.
 pub(super) struct MediumLightRecorder {
-    /// Origins of the camera rays.
-    origins: Vec<Vec3>,
     slots: Vec<Option<MediumLight>>,
 }
 
@@ -59,35 +56,24 @@ impl MediumLight {
 }
 
 impl MediumLightRecorder {
-    /// Recorder of paths whose camera rays have these origins.
-    pub(super) fn new(origins: impl Iterator<Item = Vec3>) -> Self {
-        let origins: Vec<Vec3> = origins.collect();
-        Self { slots: vec![None; origins.len()], origins }
+    pub(super) fn new(paths: usize) -> Self {
+        Self { slots: vec![None; paths] }
     }
 
     /// True if the path in a slot has passed through a medium that scatters or emits light.
     pub(super) fn has_passed(&self, slot: usize) -> bool {
-        self.slots[slot].is_some()
+        self.slots.get(slot).is_some_and(Option::is_some)
     }
 
-    /// Distance of a point from the origin of a path, metres.
-    pub(super) fn distance(&self, slot: usize, p: Vec3) -> f32 {
-        p.distance(self.origins[slot])
-    }
-
-    /// Records that a path passes through a medium, which emits this light around a point.
-    pub(super) fn pass(&mut self, slot: usize, emitted: Vec3, p: Vec3) {
-        let distance = self.distance(slot, p);
+    /// Records that a path passes through a medium, which emits this light at a distance from the camera.
+    pub(super) fn pass(&mut self, slot: usize, emitted: Vec3, distance: f32) {
         self.slots[slot].get_or_insert_default().add(emitted, distance);
     }
 
-    /// Records where light is sampled.
-    pub(super) fn sample_lights(&mut self, tests: &[ShadowTest]) {
-        for test in tests {
-            let distance = self.distance(test.slot, test.ray.origin);
-            if let Some(light) = &mut self.slots[test.slot] {
-                light.sampled_distance = distance;
-            }
+    /// Records the distance from the camera at which light is sampled.
+    pub(super) fn sample_light(&mut self, slot: usize, distance: f32) {
+        if let Some(light) = &mut self.slots[slot] {
+            light.sampled_distance = distance;
         }
     }
 
@@ -98,9 +84,8 @@ impl MediumLightRecorder {
         }
     }
 
-    /// Records the scattering event of a path at a point, which has this radiance before.
-    pub(super) fn scatter(&mut self, slot: usize, p: Vec3, radiance: Vec3) {
-        let distance = self.distance(slot, p);
+    /// Records the scattering event of a path at a distance from the camera, which has this radiance before.
+    pub(super) fn scatter(&mut self, slot: usize, distance: f32, radiance: Vec3) {
         if let Some(light) = &mut self.slots[slot] {
             light.event = Some((distance, radiance));
         }

@@ -37,12 +37,17 @@ fn shows_reflector(sought: Guide, there: Guide, side: f32) -> bool {
         && along <= PLANE_TOLERANCE * side + CURVED_TOLERANCE * length(apart);
 }
 
+/// Depth of a surface at a distance from the camera in a medium whose light has this mean distance.
+fn depth_of_surface(length: f32, distance: f32) -> f32 {
+    return length / (length + max(distance, 1.1754944e-38));
+}
+
 /// True if a guide of the last picture shows a medium in front of a surface that is as deep in it as that of the sought one.
-/// `distance` is that of the light of the medium.
+/// `light_distance` is that of the light of the medium.
 fn shows_medium(sought: Guide, there: Guide, light_distance: f32) -> bool {
-    let lengths = vec2f(path_length(sought), distance(there.position, uniforms.past_position));
-    let depths = lengths / (lengths + max(light_distance, 1.1754944e-38));
-    return has_medium(there) && abs(depths.x - depths.y) < MEDIUM_REACH;
+    let depth = depth_of_surface(path_length(sought), light_distance);
+    let depth_there = depth_of_surface(distance(there.position, uniforms.past_position), light_distance);
+    return has_medium(there) && abs(depth - depth_there) < MEDIUM_REACH;
 }
 
 /// What `mean_at` looks for: the sought point, a reflector of its image, or a medium.

@@ -161,8 +161,9 @@ pub(super) fn accumulated(
         if guide.has_medium() {
             let distance = image.depth + guide.length;
             let shows = |index: usize| {
-                let depth = depth_of_surface(past.length(index), distance);
-                past.guides[index].has_medium() && (depth - image.reach).abs() < MEDIUM_REACH
+                let there = &past.guides[index];
+                let depth = depth_of_surface(there.length, distance);
+                there.has_medium() && (depth - image.reach).abs() < MEDIUM_REACH
             };
             let place = past.projection.project(mirrored);
             let found = place.and_then(|place| past.mean_at(place, means, shows));

@@ -14,11 +14,6 @@ fn divide_reflected(@builtin(global_invocation_id) id: vec3u) {
     estimates[pixel] = vec4f(light, luminance(light));
 }
 
-/// Depth of a surface at a distance from the camera in a medium whose light has this mean distance.
-fn depth_of_surface(length: f32, distance: f32) -> f32 {
-    return length / (length + max(distance, 1.1754944e-38));
-}
-
 /// Adds up luminance, its square, weight and weighted depth along the rows, and the number of pixels with facets, which the
 /// length of the history holds until that is written.
 @compute @workgroup_size(8, 8)

@@ -262,11 +262,6 @@ impl History {
         self.mean_at(position, means, |index| self.points[index].is_at(sought) && !self.guides[index].is_mixed)
     }
 
-    /// Distance from the camera of what a pixel shows, metres.
-    pub(super) fn length(&self, index: usize) -> f32 {
-        self.guides[index].length
-    }
-
     /// True if a pixel shows a part of a surface that mirrors what the sought point of it mirrors.
     pub(super) fn shows_reflector(&self, index: usize, sought: &SoughtPoint) -> bool {
         let point = &self.points[index];
