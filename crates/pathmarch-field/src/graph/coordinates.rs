@@ -15,22 +15,41 @@ pub struct Coordinates {
     pub point: Vec3<f32>,
     /// World-space gradient of each of its three coordinates.
     pub gradients: [Vec3<f32>; 3],
+    /// Length of a local unit, metres; of stretched coordinates, the cube root of the volume of a unit cube.
+    pub unit_length: f32,
 }
+
+/// Least volume of a cube whose edges are gradients.
+const MIN_VOLUME: f32 = 1e-30;
 
 impl Coordinates {
     fn world(p: Vec3<f32>) -> Self {
         let axis = |k: usize| Vec3::constant(std::array::from_fn(|axis| f32::from(u8::from(axis == k))));
-        Self { point: p, gradients: std::array::from_fn(axis) }
+        Self { point: p, gradients: std::array::from_fn(axis), unit_length: 1.0 }
+    }
+
+    /// Coordinates of a pose in the world.
+    fn of_pose(p: Vec3<f32>, pose: &Pose) -> Self {
+        let gradients = pose.local_from_world().map(Vec3::constant);
+        Self { point: pose.local(p), gradients, unit_length: pose.scale }
     }
 
     /// Composes with inner coordinates: a point in them and its gradients over these.
     fn inside(&self, point: Vec3<f32>, gradients: [Vec3<f32>; 3]) -> Self {
         let [x, y, z] = self.gradients;
-        Self { point, gradients: gradients.map(|g| x * g.x + y * g.y + z * g.z) }
+        Self { point, gradients: gradients.map(|g| x * g.x + y * g.y + z * g.z), ..*self }
     }
 
     fn placed(&self, pose: &Pose) -> Self {
         self.inside(pose.local(self.point), pose.local_from_world().map(Vec3::constant))
+    }
+
+    /// The same coordinates, with the length of their unit.
+    fn measured(self) -> Self {
+        let [x, y, z] = self.gradients;
+        let cross = Vec3::new(y.y * z.z - y.z * z.y, y.z * z.x - y.x * z.z, y.x * z.y - y.y * z.x);
+        let volume = x.dot(cross).abs().max(MIN_VOLUME);
+        Self { unit_length: volume.cbrt().recip(), ..self }
     }
 }
 
@@ -38,6 +57,9 @@ impl Field {
     /// Coordinates of the world point `p` on this leaf.
     pub fn coordinates(&self, leaf: usize, p: Vec3<f32>) -> Option<Coordinates> {
         let shape = self.leaves.get(leaf)?;
+        if !shape.modified {
+            return Some(Coordinates::of_pose(p, &shape.pose));
+        }
         let mut here = Coordinates::world(p);
         for modified in self.modifiers_around(leaf) {
             here = here.placed(&modified.pose);
@@ -48,7 +70,7 @@ impl Field {
             let point = f32::modifier(modified.modifier).point_gradient(here.point, copy, &modified.coefficients);
             here = here.inside(point.values(), [point.x.gradient, point.y.gradient, point.z.gradient]);
         }
-        Some(here.placed(&shape.pose))
+        Some(here.placed(&shape.pose).measured())
     }
 
     /// Number of the innermost modifier around the leaf, from 1; 0 if there is none.

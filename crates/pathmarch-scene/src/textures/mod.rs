@@ -16,7 +16,7 @@ pub use decal::{Decal, DecalSpace};
 use glam::Vec3;
 pub use pathmarch_field::MeshAttributes;
 use pathmarch_field::Param;
-use pathmarch_field::graph::Pose;
+use pathmarch_field::graph::{Pose, Turn};
 pub use picture::{Picture, PictureError};
 pub use ramp::Ramp;
 use std::sync::Arc;
@@ -146,6 +146,9 @@ pub struct Texture {
 /// A spot in the coordinates in which a pose is given, as one in the coordinates of the pose.
 fn placed(pose: &Pose, spot: &Spot) -> Spot {
     let offset = spot.p - Vec3::from(pose.at);
+    if pose.turn == Turn::None {
+        return Spot { p: offset, ..*spot };
+    }
     let rows: [Vec3; 3] = pose.local_from_world().map(Vec3::from);
     let turned = |v: Vec3| Vec3::from_array(rows.map(|row| row.dot(v)));
     Spot {
