@@ -148,7 +148,8 @@ fn record_guide(
     guide.seen_normal = guide.normal;
     guide.guide_class = select(select(GUIDE_SURFACE, GUIDE_GLASS, is_glass), GUIDE_EMITTER, (flags & EMITS) != 0u);
     // Nothing is smooth on a fractal at half the resolution.
-    waits_for_indirect = guide.guide_class == GUIDE_SURFACE && (leaves[interaction.leaf].flags & FRACTAL) == 0u;
+    let is_fractal = (leaves[interaction.leaf].flags & FRACTAL) != 0u;
+    waits_for_indirect = guide.guide_class == GUIDE_SURFACE && !is_fractal;
     guide.albedo = select(throughput * colour, vec3f(1.0), is_glass);
     guide.object = interaction.leaf;
     guide.seen_object = interaction.leaf;
@@ -157,7 +158,7 @@ fn record_guide(
     if guide.guide_class == GUIDE_SURFACE && guide.is_glossy && guide.alpha == 0.0 {
         let m = leaves[interaction.leaf].material;
         let facets = bsdf_facets(materials[m].kind, m);
-        guide.alpha = select(0.0, facets.x, facets.x <= MAX_FACET_ALPHA);
+        guide.alpha = select(0.0, facets.x, facets.x <= select(MAX_FACET_ALPHA, MAX_FACET_ALPHA_OF_FRACTALS, is_fractal));
         guide.has_coloured_facets = facets.y > 0.0;
         begin_facets(length);
     }

@@ -8,6 +8,7 @@ use super::path_state::Path;
 use super::shadow::ShadowTest;
 use crate::sampling::basis::{basis, local_viewer};
 use crate::scene::TraceContext;
+use crate::scene::leaf::FRACTAL;
 use crate::scene::light::luminance;
 use crate::shading::surface_interaction::SurfaceInteraction;
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
@@ -16,8 +17,10 @@ use glam::{Mat3, Vec3};
 use pathmarch_scene::materials::{BsdfParameters, Facets};
 
 shared_constants! {
-    /// Largest alpha of facets whose light is recorded: others, turned to all sides, show no images.
-    const MAX_FACET_ALPHA: f32 = 0.15;
+    /// Largest alpha of facets whose light is recorded: that of others, turned to all sides, hardly moves.
+    const MAX_FACET_ALPHA: f32 = 0.36;
+    /// The same for fractals, on which no image is smooth.
+    const MAX_FACET_ALPHA_OF_FRACTALS: f32 = 0.15;
 }
 
 /// Light of the facets of a surface, or of the media in front of it.
@@ -118,7 +121,8 @@ impl ReflectionRecorder {
         let parameters =
             textured.as_ref().map_or(material.parameters, |textured| textured.parameters(&material.parameters));
         let alpha = (facets.alpha)(&parameters);
-        if alpha > MAX_FACET_ALPHA {
+        let max_alpha = if leaf.has(FRACTAL) { MAX_FACET_ALPHA_OF_FRACTALS } else { MAX_FACET_ALPHA };
+        if alpha > max_alpha {
             return;
         }
         let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);

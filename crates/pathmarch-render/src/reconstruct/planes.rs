@@ -131,7 +131,33 @@ pub(super) fn box_sums<const N: usize>(
     radius: i32,
     values: impl Fn(usize) -> [f32; N] + Sync,
 ) -> BoxSums<N> {
+    sums_where(Grid::new(size), radius, values, |_, _, value| value)
+}
+
+/// [`box_sums`] over the pixels that have the key of the middle one, as far as these are joined by a column of the middle: the
+/// sum over its pixels with this key of the sums over their rows.
+pub(super) fn box_sums_of_key<const N: usize>(
+    size: [u32; 2],
+    radius: i32,
+    key: impl Fn(usize) -> f32 + Sync,
+    values: impl Fn(usize) -> [f32; N] + Sync,
+) -> BoxSums<N> {
     let grid = Grid::new(size);
+    let keys = &Planes::new(grid, [0.0], |index| [key(index)]);
+    sums_where(grid, radius, values, |here, there, value| {
+        let is_same = keys.load(0, here).simd_eq(keys.load(0, there));
+        is_same & value
+    })
+}
+
+/// Sums over squares of what `kept` leaves of the values of eight pixels, which are next to eight others.
+#[inline(always)]
+fn sums_where<const N: usize>(
+    grid: Grid,
+    radius: i32,
+    values: impl Fn(usize) -> [f32; N] + Sync,
+    kept: impl Fn(Place, Place, f32x8) -> f32x8 + Sync,
+) -> BoxSums<N> {
     let values = Planes::new(grid, [0.0; N], values);
     // Sums over squares are sums over columns of sums over rows.
     let sums = |values: &Planes<N>, place: Place, [dx, dy]: [i32; 2]| {
@@ -139,7 +165,7 @@ pub(super) fn box_sums<const N: usize>(
         for k in -radius..=radius {
             let Some(there) = place.moved(grid, k * dx, k * dy) else { continue };
             for (sum, value) in sums.iter_mut().zip(values.lanes(there)) {
-                *sum += value;
+                *sum += kept(place, there, value);
             }
         }
         sums
@@ -160,5 +186,27 @@ impl<const N: usize> BoxSums<N> {
     pub(super) fn at(&self, index: usize) -> [f32; N] {
         let (row, column) = (index / self.width, index % self.width + MARGIN);
         std::array::from_fn(|k| self.sums.numbers[(N * row + k) * self.sums.stride + column])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_of_a_key_end_where_it_changes() {
+        // A wall of 20x9 pixels, and in front of it a post of key 2 in the columns 8 to 10, from row 3 on.
+        let is_post = |index: usize| index / 20 >= 3 && (8..=10).contains(&(index % 20));
+        let key = |index: usize| if is_post(index) { 2.0 } else { 1.0 };
+        let value = |index: usize| [1.0, if is_post(index) { 100.0 } else { 1.0 }];
+        let sums = box_sums_of_key([20, 9], 2, key, value);
+        let at = |x: usize, y: usize| sums.at(20 * y + x);
+        assert_eq!(at(3, 4), [25.0, 25.0]);
+        assert_eq!(at(7, 6), [15.0, 15.0]);
+        assert_eq!(at(9, 6), [15.0, 1500.0]);
+        assert_eq!(at(0, 0), [9.0, 9.0]);
+        // Above the post: three rows of the wall, two of which are whole.
+        assert_eq!(at(9, 2), [15.0, 15.0]);
+        assert_eq!(box_sums([20, 9], 2, value).at(20 * 6 + 9)[0], 25.0);
     }
 }

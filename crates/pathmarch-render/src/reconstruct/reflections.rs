@@ -21,7 +21,7 @@
 //! so that histories of its light are short.
 
 use super::motion::EarlierPoints;
-use super::planes::box_sums;
+use super::planes::box_sums_of_key;
 use super::temporal::{
     Clamp, History, PixelMean, SMOOTH_NEIGHBOURS, Samples, camera_moves, joined, plausible_range, smooth_neighbours,
 };
@@ -79,7 +79,7 @@ pub(super) struct Image {
 /// Images of all pixels, whose facets or media have this light, divided as it is filtered.
 pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]) -> Vec<Image> {
     let size = frame.size();
-    let around = box_sums(size, IMAGE_RADIUS, |index| {
+    let values = |index: usize| {
         let guide = &guides[index];
         let light = luminance(reflected[index]);
         if !guide.has_layer() {
@@ -87,7 +87,8 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
         }
         let weight = luminance(guide.reflected.radiance) + DARK_WEIGHT;
         [light, light * light, weight, weight * guide.reflected.depth, 1.0]
-    });
+    };
+    let around = box_sums_of_key(size, IMAGE_RADIUS, |index| layer_of(&guides[index]), values);
     let image = |index: usize| {
         let guide = &guides[index];
         if !guide.has_layer() {
@@ -115,6 +116,11 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
         }
     };
     (0..guides.len()).into_par_iter().with_min_len(1024).map(image).collect()
+}
+
+/// Number that is equal on pixels whose layers are parts of one: those of one object, and those of media.
+fn layer_of(guide: &Guide) -> f32 {
+    if guide.has_medium() { -1.0 } else { guide.object as f32 }
 }
 
 /// Depth of a surface at a distance from the camera in a medium whose light has this mean distance: 0 at the camera, 1/2 where

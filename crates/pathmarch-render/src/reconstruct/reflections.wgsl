@@ -14,7 +14,14 @@ fn divide_reflected(@builtin(global_invocation_id) id: vec3u) {
     estimates[pixel] = vec4f(light, luminance(light));
 }
 
-/// Adds up luminance, its square, weight and weighted depth along the rows, and the number of pixels with facets, which the
+/// Number that is equal on pixels whose layers are parts of one: those of one object, and those of media.
+fn layer_of(pixel: u32) -> u32 {
+    // The alpha of media is 1.
+    let is_medium = (guides[4u * pixel + 3u].w >> 24u) == 255u;
+    return select(guides[4u * pixel + 2u].x & (GLOSSY_BIT - 1u), 0xffffffffu, is_medium);
+}
+
+/// Adds up luminance, its square, weight and weighted depth along the rows, and the number of pixels of the layer, which the
 /// length of the history holds until that is written.
 @compute @workgroup_size(8, 8)
 fn add_up_rows(@builtin(global_invocation_id) id: vec3u) {
@@ -24,10 +31,11 @@ fn add_up_rows(@builtin(global_invocation_id) id: vec3u) {
     }
     var sum = vec4f(0.0);
     var facets = 0.0;
+    let layer = layer_of(pixel_index(position));
     for (var x = max(position.x - IMAGE_RADIUS, 0); x <= min(position.x + IMAGE_RADIUS, i32(uniforms.width) - 1); x++) {
         let pixel = pixel_index(vec2i(x, position.y));
         let words = guides[4u * pixel + 3u];
-        if (words.w >> 24u) != 0u {
+        if (words.w >> 24u) != 0u && layer_of(pixel) == layer {
             let weight = luminance(bitcast<vec3f>(words.xyz)) + DARK_WEIGHT;
             let light = estimates[pixel].w;
             sum += vec4f(light, light * light, weight, weight * depth_of_facets(words.w));
@@ -53,9 +61,13 @@ fn find_images(@builtin(global_invocation_id) id: vec3u) {
     }
     var sum = vec4f(0.0);
     var facets = 0.0;
+    let layer = layer_of(pixel);
     for (var y = max(position.y - IMAGE_RADIUS, 0); y <= min(position.y + IMAGE_RADIUS, i32(uniforms.height) - 1); y++) {
-        sum += images[pixel_index(vec2i(position.x, y))];
-        facets += history[pixel_index(vec2i(position.x, y))].length;
+        let there = pixel_index(vec2i(position.x, y));
+        if layer_of(there) == layer {
+            sum += images[there];
+            facets += history[there].length;
+        }
     }
     let depth = min(sum.w / sum.z, MAX_IMAGE_DEPTH);
     let mean = sum.x / facets;

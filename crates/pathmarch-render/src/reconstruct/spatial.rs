@@ -24,7 +24,7 @@ shared_constants! {
     /// The same for indirect light and for that of facets.
     pub(super) const SMOOTH_REACH: f32 = 3.0;
     /// Distance of the normals of points that share the light of facets, in alphas, at which the weight ends.
-    const TURN_REACH: f32 = 0.5;
+    const TURN_REACH: f32 = 1.0;
     /// Distance from a plane, in sides of a pixel for each pixel between the taps, at which the weight ends.
     const PLANE_REACH: f32 = 1.0;
 }

@@ -84,7 +84,8 @@ impl<'p> TexturedPoint<'p> {
         let determinant = x.dot(cofactors[0]);
         let local_normal = Vec3::from_array(cofactors.map(|cofactor| cofactor.dot(outward)));
         let normal = (local_normal * determinant.signum()).normalize_or(Vec3::Y);
-        let spot = Spot { p: vector(coordinates.point), normal, footprint: footprint / coordinates.unit_length, attributes };
+        let spot =
+            Spot { p: vector(coordinates.point), normal, footprint: footprint / coordinates.unit_length, attributes };
         let centre = material.trap_centre().map(|[x, y, z]| FieldVec3::new(x, y, z));
         let orbit = centre.and_then(|centre| ctx.scene.field.orbit(leaf, p, centre));
         Some(Self { material, spot, world_spot, coordinates, orbit })
@@ -207,7 +208,8 @@ impl<'p> TexturedPoint<'p> {
         let Some(bump) = &self.material.bump else { return outward };
         let local_gradient = bump.texture.slope(&self.spot) * bump.height;
         let [x, y, z] = self.coordinates.gradients.map(|g| Vec3::new(g.x, g.y, g.z));
-        let gradient = (x * local_gradient.x + y * local_gradient.y + z * local_gradient.z) * self.coordinates.unit_length;
+        let gradient =
+            (x * local_gradient.x + y * local_gradient.y + z * local_gradient.z) * self.coordinates.unit_length;
         let tangential_gradient = gradient - outward * outward.dot(gradient);
         (outward - tangential_gradient).normalize()
     }
