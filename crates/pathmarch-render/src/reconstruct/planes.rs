@@ -1,5 +1,6 @@
 //! Numbers of all pixels in planes, so that eight adjoining pixels are one SIMD vector.
 
+use glam::Vec3;
 use rayon::prelude::*;
 use wide::f32x8;
 
@@ -131,32 +132,38 @@ pub(super) fn box_sums<const N: usize>(
     radius: i32,
     values: impl Fn(usize) -> [f32; N] + Sync,
 ) -> BoxSums<N> {
-    sums_where(Grid::new(size), radius, values, |_, _, value| value)
+    sums_where(Grid::new(size), radius, values, |_, _| f32x8::ZERO.simd_eq(f32x8::ZERO))
 }
 
-/// [`box_sums`] over the pixels that have the key of the middle one, as far as these are joined by a column of the middle: the
-/// sum over its pixels with this key of the sums over their rows.
-pub(super) fn box_sums_of_key<const N: usize>(
+/// [`box_sums`] over the pixels of the surface of the middle one, a number and a unit normal, as far as its column joins them:
+/// the sum over the pixels of the column with this surface of the sums over their rows. Normals of one surface have at least
+/// this cosine.
+pub(super) fn box_sums_of_surfaces<const N: usize>(
     size: [u32; 2],
     radius: i32,
-    key: impl Fn(usize) -> f32 + Sync,
+    min_cosine: f32,
+    surface: impl Fn(usize) -> (f32, Vec3) + Sync,
     values: impl Fn(usize) -> [f32; N] + Sync,
 ) -> BoxSums<N> {
     let grid = Grid::new(size);
-    let keys = &Planes::new(grid, [0.0], |index| [key(index)]);
-    sums_where(grid, radius, values, |here, there, value| {
-        let is_same = keys.load(0, here).simd_eq(keys.load(0, there));
-        is_same & value
+    let surfaces = &Planes::new(grid, [0.0; 4], |index| {
+        let (number, normal) = surface(index);
+        [number, normal.x, normal.y, normal.z]
+    });
+    sums_where(grid, radius, values, |here, there| {
+        let ([number, ax, ay, az], [other, bx, by, bz]) = (surfaces.lanes(here), surfaces.lanes(there));
+        let cosine = ax * bx + ay * by + az * bz;
+        number.simd_eq(other) & cosine.simd_ge(f32x8::splat(min_cosine))
     })
 }
 
-/// Sums over squares of what `kept` leaves of the values of eight pixels, which are next to eight others.
+/// Sums over squares of the pixels that `counts` accepts at others, eight at a time.
 #[inline(always)]
 fn sums_where<const N: usize>(
     grid: Grid,
     radius: i32,
     values: impl Fn(usize) -> [f32; N] + Sync,
-    kept: impl Fn(Place, Place, f32x8) -> f32x8 + Sync,
+    counts: impl Fn(Place, Place) -> f32x8 + Sync,
 ) -> BoxSums<N> {
     let values = Planes::new(grid, [0.0; N], values);
     // Sums over squares are sums over columns of sums over rows.
@@ -164,8 +171,9 @@ fn sums_where<const N: usize>(
         let mut sums = [f32x8::ZERO; N];
         for k in -radius..=radius {
             let Some(there) = place.moved(grid, k * dx, k * dy) else { continue };
+            let counts = counts(place, there);
             for (sum, value) in sums.iter_mut().zip(values.lanes(there)) {
-                *sum += kept(place, there, value);
+                *sum += counts & value;
             }
         }
         sums
@@ -194,19 +202,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sums_of_a_key_end_where_it_changes() {
-        // A wall of 20x9 pixels, and in front of it a post of key 2 in the columns 8 to 10, from row 3 on.
+    fn sums_of_surfaces_end_at_their_edges() {
+        // A wall of 20x9 pixels, and in front of it a post in the columns 8 to 10, from row 3 on.
         let is_post = |index: usize| index / 20 >= 3 && (8..=10).contains(&(index % 20));
-        let key = |index: usize| if is_post(index) { 2.0 } else { 1.0 };
         let value = |index: usize| [1.0, if is_post(index) { 100.0 } else { 1.0 }];
-        let sums = box_sums_of_key([20, 9], 2, key, value);
-        let at = |x: usize, y: usize| sums.at(20 * y + x);
-        assert_eq!(at(3, 4), [25.0, 25.0]);
-        assert_eq!(at(7, 6), [15.0, 15.0]);
-        assert_eq!(at(9, 6), [15.0, 1500.0]);
-        assert_eq!(at(0, 0), [9.0, 9.0]);
-        // Above the post: three rows of the wall, two of which are whole.
-        assert_eq!(at(9, 2), [15.0, 15.0]);
+        let numbered = |index: usize| (if is_post(index) { 2.0f32 } else { 1.0 }, Vec3::Z);
+        let turned = |index: usize| (1.0f32, if is_post(index) { Vec3::X } else { Vec3::Z });
+        for surface in [&numbered as &(dyn Fn(usize) -> (f32, Vec3) + Sync), &turned] {
+            let sums = box_sums_of_surfaces([20, 9], 2, 0.8, surface, value);
+            let at = |x: usize, y: usize| sums.at(20 * y + x);
+            assert_eq!(at(3, 4), [25.0, 25.0]);
+            assert_eq!(at(7, 6), [15.0, 15.0]);
+            assert_eq!(at(9, 6), [15.0, 1500.0]);
+            assert_eq!(at(0, 0), [9.0, 9.0]);
+            // Above the post.
+            assert_eq!(at(9, 2), [15.0, 15.0]);
+        }
         assert_eq!(box_sums([20, 9], 2, value).at(20 * 6 + 9)[0], 25.0);
     }
 }

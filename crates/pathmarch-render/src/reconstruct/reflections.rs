@@ -21,7 +21,7 @@
 //! so that histories of its light are short.
 
 use super::motion::EarlierPoints;
-use super::planes::box_sums_of_key;
+use super::planes::box_sums_of_surfaces;
 use super::temporal::{
     Clamp, History, PixelMean, SMOOTH_NEIGHBOURS, Samples, camera_moves, joined, plausible_range, smooth_neighbours,
 };
@@ -36,6 +36,8 @@ use rayon::prelude::*;
 shared_constants! {
     /// Half the side of the square over which the light of facets and the distance of what is mirrored are averaged, pixels.
     const IMAGE_RADIUS: i32 = 5;
+    /// Least cosine between the normals of pixels whose light of facets is averaged.
+    const MIN_LAYER_COSINE: f32 = 0.8;
     /// Standard deviations of single samples by which a mean may differ from that of the square: four standard errors.
     const IMAGE_REACH: f32 = 0.4;
     /// Largest distance of points that share the light of facets, in distances of what is mirrored times alpha.
@@ -88,7 +90,7 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
         let weight = luminance(guide.reflected.radiance) + DARK_WEIGHT;
         [light, light * light, weight, weight * guide.reflected.depth, 1.0]
     };
-    let around = box_sums_of_key(size, IMAGE_RADIUS, |index| layer_of(&guides[index]), values);
+    let around = box_sums_of_surfaces(size, IMAGE_RADIUS, MIN_LAYER_COSINE, |index| layer_of(&guides[index]), values);
     let image = |index: usize| {
         let guide = &guides[index];
         if !guide.has_layer() {
@@ -118,9 +120,9 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
     (0..guides.len()).into_par_iter().with_min_len(1024).map(image).collect()
 }
 
-/// Number that is equal on pixels whose layers are parts of one: those of one object, and those of media.
-fn layer_of(guide: &Guide) -> f32 {
-    if guide.has_medium() { -1.0 } else { guide.object as f32 }
+/// Number and normal that pixels have in common if their layers are parts of one: that of an object's side, or of media.
+fn layer_of(guide: &Guide) -> (f32, Vec3) {
+    if guide.has_medium() { (-1.0, Vec3::Z) } else { (guide.object as f32, guide.normal) }
 }
 
 /// Depth of a surface at a distance from the camera in a medium whose light has this mean distance: 0 at the camera, 1/2 where

@@ -14,11 +14,22 @@ fn divide_reflected(@builtin(global_invocation_id) id: vec3u) {
     estimates[pixel] = vec4f(light, luminance(light));
 }
 
-/// Number that is equal on pixels whose layers are parts of one: those of one object, and those of media.
-fn layer_of(pixel: u32) -> u32 {
-    // The alpha of media is 1.
-    let is_medium = (guides[4u * pixel + 3u].w >> 24u) == 255u;
-    return select(guides[4u * pixel + 2u].x & (GLOSSY_BIT - 1u), 0xffffffffu, is_medium);
+/// True if the light of media in front of a pixel is recorded apart: their alpha is 1.
+fn is_medium_at(pixel: u32) -> bool {
+    return (guides[4u * pixel + 3u].w >> 24u) == 255u;
+}
+
+fn normal_at(pixel: u32) -> vec3f {
+    return from_octahedral(unpack2x16snorm(guides[4u * pixel + 1u].x));
+}
+
+/// True if the layers of two pixels, of which the first has this normal, are parts of one: that of an object's side, or of
+/// media.
+fn are_one_layer(here: u32, normal: vec3f, there: u32) -> bool {
+    let objects = (guides[4u * here + 2u].x ^ guides[4u * there + 2u].x) & (GLOSSY_BIT - 1u);
+    let is_one_side = objects == 0u && dot(normal, normal_at(there)) >= MIN_LAYER_COSINE;
+    let are_media = is_medium_at(here);
+    return are_media == is_medium_at(there) && (are_media || is_one_side);
 }
 
 /// Adds up luminance, its square, weight and weighted depth along the rows, and the number of pixels of the layer, which the
@@ -31,19 +42,20 @@ fn add_up_rows(@builtin(global_invocation_id) id: vec3u) {
     }
     var sum = vec4f(0.0);
     var facets = 0.0;
-    let layer = layer_of(pixel_index(position));
+    let here = pixel_index(position);
+    let normal = normal_at(here);
     for (var x = max(position.x - IMAGE_RADIUS, 0); x <= min(position.x + IMAGE_RADIUS, i32(uniforms.width) - 1); x++) {
         let pixel = pixel_index(vec2i(x, position.y));
         let words = guides[4u * pixel + 3u];
-        if (words.w >> 24u) != 0u && layer_of(pixel) == layer {
+        if (words.w >> 24u) != 0u && are_one_layer(here, normal, pixel) {
             let weight = luminance(bitcast<vec3f>(words.xyz)) + DARK_WEIGHT;
             let light = estimates[pixel].w;
             sum += vec4f(light, light * light, weight, weight * depth_of_facets(words.w));
             facets += 1.0;
         }
     }
-    images[pixel_index(position)] = sum;
-    history[pixel_index(position)].length = facets;
+    images[here] = sum;
+    history[here].length = facets;
 }
 
 /// Finds the image of what the facets of each pixel mirror, from the sums along rows.
@@ -61,10 +73,9 @@ fn find_images(@builtin(global_invocation_id) id: vec3u) {
     }
     var sum = vec4f(0.0);
     var facets = 0.0;
-    let layer = layer_of(pixel);
     for (var y = max(position.y - IMAGE_RADIUS, 0); y <= min(position.y + IMAGE_RADIUS, i32(uniforms.height) - 1); y++) {
         let there = pixel_index(vec2i(position.x, y));
-        if layer_of(there) == layer {
+        if are_one_layer(pixel, guide.normal, there) {
             sum += images[there];
             facets += history[there].length;
         }
