@@ -135,9 +135,8 @@ pub(super) fn box_sums<const N: usize>(
     sums_where(Grid::new(size), radius, values, |_, _| f32x8::ZERO.simd_eq(f32x8::ZERO))
 }
 
-/// [`box_sums`] over the pixels of the surface of the middle one, a number and a unit normal, as far as its column joins them:
-/// the sum over the pixels of the column with this surface of the sums over their rows. Normals of one surface have at least
-/// this cosine.
+/// [`box_sums`] over the pixels that show the surface of the middle one: a number, and a unit normal that differs by at most
+/// the angle of `min_cosine`. Those of the middle's column count, and beside each of these the ones of its own surface.
 pub(super) fn box_sums_of_surfaces<const N: usize>(
     size: [u32; 2],
     radius: i32,
@@ -157,7 +156,7 @@ pub(super) fn box_sums_of_surfaces<const N: usize>(
     })
 }
 
-/// Sums over squares of the pixels that `counts` accepts at others, eight at a time.
+/// Sums over squares of pixels, eight at a time: `counts` is the mask of those at the second place for those at the first.
 #[inline(always)]
 fn sums_where<const N: usize>(
     grid: Grid,

@@ -23,7 +23,8 @@
 use super::motion::EarlierPoints;
 use super::planes::box_sums_of_surfaces;
 use super::temporal::{
-    Clamp, History, PixelMean, SMOOTH_NEIGHBOURS, Samples, camera_moves, joined, plausible_range, smooth_neighbours,
+    Clamp, History, MIN_NORMAL_COSINE, PixelMean, SMOOTH_NEIGHBOURS, Samples, camera_moves, joined, plausible_range,
+    smooth_neighbours,
 };
 use super::{Changes, luminance};
 use crate::integrator::guides::Guide;
@@ -36,8 +37,6 @@ use rayon::prelude::*;
 shared_constants! {
     /// Half the side of the square over which the light of facets and the distance of what is mirrored are averaged, pixels.
     const IMAGE_RADIUS: i32 = 5;
-    /// Least cosine between the normals of pixels whose light of facets is averaged.
-    const MIN_LAYER_COSINE: f32 = 0.8;
     /// Standard deviations of single samples by which a mean may differ from that of the square: four standard errors.
     const IMAGE_REACH: f32 = 0.4;
     /// Largest distance of points that share the light of facets, in distances of what is mirrored times alpha.
@@ -90,7 +89,7 @@ pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]
         let weight = luminance(guide.reflected.radiance) + DARK_WEIGHT;
         [light, light * light, weight, weight * guide.reflected.depth, 1.0]
     };
-    let around = box_sums_of_surfaces(size, IMAGE_RADIUS, MIN_LAYER_COSINE, |index| layer_of(&guides[index]), values);
+    let around = box_sums_of_surfaces(size, IMAGE_RADIUS, MIN_NORMAL_COSINE, |index| layer_of(&guides[index]), values);
     let image = |index: usize| {
         let guide = &guides[index];
         if !guide.has_layer() {

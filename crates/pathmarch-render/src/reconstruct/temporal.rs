@@ -121,7 +121,7 @@ shared_constants! {
     /// Length below which contrast shortens no history, samples.
     const MIN_CONTRAST_HISTORY: f32 = 2.0;
     /// Least cosine between normals of one surface.
-    const MIN_NORMAL_COSINE: f32 = 0.8;
+    pub(super) const MIN_NORMAL_COSINE: f32 = 0.8;
 }
 
 impl PixelMean {
