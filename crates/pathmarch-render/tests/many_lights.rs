@@ -9,8 +9,12 @@ use pathmarch_testing::{plain, tests};
 use std::f32::consts::FRAC_PI_4;
 use std::fmt::Write;
 
-/// Hall with lamps of every kind near a floor and a ball of each kind of surface, a sun and an environment of few pixels.
-fn hall() -> Scene {
+/// Air of a hall with fog in it.
+const FOG: &str = "fog { scatter 0.08 0.1 0.12; absorb 0.01; anisotropy 0.4 }\n";
+
+/// Hall with lamps of every kind near a floor and a ball of each kind of surface, a sun and an environment of few pixels, with
+/// this in the air.
+fn hall(air: &str) -> Scene {
     let mut text = String::from(
         r#"pathmarch 1
 camera { position 0 2.5 7; target 0 0.6 0; fov 45 }
@@ -26,6 +30,7 @@ object "frosted" material="frosted" { sphere 0.5 { at 0 0.5 0.6 } }
 object "rough" material="rough" { sphere 0.5 { at 1.3 0.5 0 } }
 "#,
     );
+    text += air;
     let shapes = ["sphere 0.05", "rect 0.2 0.1", "disc 0.08", "box 0.1", "torus 0.06 0.02"];
     for k in 0..30 {
         let [x, z] = [k % 6, k / 6].map(|place: i32| place as f32 * 1.1 - 2.6);
@@ -46,9 +51,9 @@ object "rough" material="rough" { sphere 0.5 { at 1.3 0.5 0 } }
 }
 
 /// Blocks of pictures of several seeds differ by no more than their noise.
-fn pictures_do_not_depend_on_the_choice_of_lights() {
+fn pictures_of_each_choice_of_lights_agree(air: &str) {
     const SEEDS: u32 = 24;
-    let scene = hall();
+    let scene = hall(air);
     let blocks = |by_place: bool, samples: u32| -> Vec<(f64, f64)> {
         let of_seed = |seed| {
             let settings = Settings { size: [48, 32], samples, seed, ..Settings::of(&scene) };
@@ -72,12 +77,21 @@ fn pictures_do_not_depend_on_the_choice_of_lights() {
     let variance = |blocks: &[(f64, f64)]| blocks.iter().map(|(_, variance)| variance).sum::<f64>();
     let gain = 2.0 * variance(&table) / variance(&tree);
     println!("mean z² {square:.2}, largest |z| {largest:.2}, variance of one sample {gain:.1} times lower");
-    assert!(square < 1.7 && largest < 5.5, "{square} {largest}");
+    // Some seventy values, of which those of the three channels of a block are alike.
+    assert!(square < 2.2 && largest < 5.5, "{square} {largest}");
     assert!(gain > 1.2, "{gain}");
 }
 
-fn both_backends_choose_the_same_lights(renderers: &mut [Renderer; 2]) {
-    let scene = hall();
+fn pictures_do_not_depend_on_the_choice_of_lights() {
+    pictures_of_each_choice_of_lights_agree("");
+}
+
+fn pictures_of_fog_do_not_depend_on_the_choice_of_lights() {
+    pictures_of_each_choice_of_lights_agree(FOG);
+}
+
+fn backends_agree_on_lights(renderers: &mut [Renderer; 2], air: &str) {
+    let scene = hall(air);
     let settings = Settings { size: [48, 32], samples: 64, ..Settings::of(&scene) };
     let [cpu, gpu] = renderers.each_ref().map(|renderer| render(renderer, &scene, &settings).mean());
     let (error, block) = (relmse(&gpu, &cpu).expect("equal sizes"), worst_block(&gpu, &cpu, 16));
@@ -86,9 +100,17 @@ fn both_backends_choose_the_same_lights(renderers: &mut [Renderer; 2]) {
     assert!(error < 2e-3 && block < 0.02, "{error} {block}");
 }
 
+fn both_backends_choose_the_same_lights(renderers: &mut [Renderer; 2]) {
+    backends_agree_on_lights(renderers, "");
+}
+
+fn both_backends_choose_the_same_lights_in_fog(renderers: &mut [Renderer; 2]) {
+    backends_agree_on_lights(renderers, FOG);
+}
+
 /// The tree is in uniform memory on software adapters if it is small, and in storage memory otherwise.
 fn the_memory_of_the_tree_does_not_matter() {
-    let scene = hall();
+    let scene = hall("");
     let picture = Picture::new(&scene, &Settings { size: [24, 16], ..Settings::of(&scene) });
     let [a, b] = ["software", "discrete GPU"].map(|kind| {
         let device = Device::open_as(kind).expect("a GPU adapter");
@@ -101,7 +123,7 @@ fn the_memory_of_the_tree_does_not_matter() {
 }
 
 fn ranges_of_samples_add_up(renderer: &Renderer) {
-    let scene = hall();
+    let scene = hall("");
     let settings = Settings { size: [24, 16], samples: 12, splitting: Some(1), ..Settings::of(&scene) };
     let whole = render(renderer, &scene, &settings);
     let mut parts = render(renderer, &scene, &Settings { samples: 5, ..settings.clone() });
@@ -219,7 +241,10 @@ fn copies_of_lamps_light_as_objects_do(renderer: &Renderer) {
 }
 
 tests! {
-    plain slow: [pictures_do_not_depend_on_the_choice_of_lights],
+    plain slow: [
+        pictures_do_not_depend_on_the_choice_of_lights,
+        pictures_of_fog_do_not_depend_on_the_choice_of_lights,
+    ],
     on_each_backend: [
         ranges_of_samples_add_up,
         lamps_in_one_point_are_one_lamp,
@@ -227,6 +252,10 @@ tests! {
         lamps_that_nothing_can_see,
         copies_of_lamps_light_as_objects_do,
     ],
-    on_both_backends: [both_backends_choose_the_same_lights, backends_agree_on_thousands_of_lamps],
+    on_both_backends: [
+        both_backends_choose_the_same_lights,
+        both_backends_choose_the_same_lights_in_fog,
+        backends_agree_on_thousands_of_lamps,
+    ],
     with_gpu: [the_memory_of_the_tree_does_not_matter],
 }

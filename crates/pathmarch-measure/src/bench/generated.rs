@@ -17,16 +17,20 @@ impl Generated {
     }
 }
 
-/// All generated scenes: grids of shapes in one smooth union, and light sources over a floor with three solids.
-pub static ALL: [Generated; 6] = [
+/// All generated scenes: grids of shapes in one smooth union, and light sources over a floor with three solids, also in fog.
+pub static ALL: [Generated; 8] = [
     Generated { name: "union-100", text: || union(5, 5, 4) },
     Generated { name: "union-1000", text: || union(10, 10, 10) },
     Generated { name: "union-10000", text: || union(25, 20, 20) },
     Generated { name: "lights-64", text: || lights(8, 8) },
     Generated { name: "lights-1000", text: || lights(25, 40) },
     Generated { name: "lights-10000", text: || lights(100, 100) },
+    Generated { name: "foggy-lights-64", text: || lights(8, 8) + FOG },
+    Generated { name: "foggy-lights-1000", text: || lights(25, 40) + FOG },
 ];
 
+/// Fog in which a lamp a few metres away has a halo.
+const FOG: &str = "fog { scatter 0.08; absorb 0.01; anisotropy 0.3 }\n";
 /// Radius of spherical light sources, metres.
 const RADIUS: f32 = 0.06;
 /// Largest number of spherical light sources.
@@ -126,7 +130,7 @@ mod tests {
 
     #[test]
     fn generated_scenes_are_valid() {
-        for (generated, leaves) in ALL.iter().zip([100, 1000, 10_000, 68, 1004, 4]) {
+        for (generated, leaves) in ALL.iter().zip([100, 1000, 10_000, 68, 1004, 4, 68, 1004]) {
             let scene = Scene::parse(generated.name, &generated.text()).expect("a valid scene");
             assert_eq!(scene.field.leaves().len(), leaves, "{}", generated.name);
         }

@@ -10,12 +10,13 @@
 //! its bounding sphere, so that the shadow ray may miss it. BSDF sampling hits the same lights; the power heuristic weights both strategies
 //! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
+use crate::intersect::ray::Ray;
 use crate::sampling::ONE_MINUS_EPSILON;
 use crate::sampling::basis::basis;
 use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight, TrianglesLight};
 use crate::scene::mesh_light::PointOnMesh;
 use crate::scene::sky::EnvironmentSample;
-use crate::scene::{RenderScene, SkyLight, TraceContext};
+use crate::scene::{LightTree, RenderScene, SkyLight, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::number::Real;
@@ -40,8 +41,9 @@ pub(crate) struct LightSample {
     pub(crate) penumbra: f32,
 }
 
-/// Light with the probability of choosing it at a point.
+/// Light with the probability of choosing it at a point, or for a segment in a medium.
 pub(super) struct ChosenLight<'a> {
+    pub(super) index: usize,
     pub(super) shape: &'a LightShape,
     pub(super) pmf: f32,
     /// One over `pmf`.
@@ -73,15 +75,35 @@ pub(super) fn choose_light<'a>(
     ctx: &TraceContext<'a>,
     p: Vec3,
     normal: Option<Vec3>,
+    choice: f32,
+) -> Option<ChosenLight<'a>> {
+    choose_light_of(ctx, choice, |tree, choice| tree.sample(p, normal, choice))
+}
+
+/// Chooses a light for the medium on a segment of this length, metres, with a uniform number. Returns `None` without lights.
+pub(super) fn choose_light_along<'a>(
+    ctx: &TraceContext<'a>,
+    ray: &Ray,
+    length: f32,
+    choice: f32,
+) -> Option<ChosenLight<'a>> {
+    choose_light_of(ctx, choice, |tree, choice| tree.sample_along(ray, length, choice))
+}
+
+/// Chooses a light with a uniform number, in the tree by this walk.
+#[inline(always)]
+fn choose_light_of<'a>(
+    ctx: &TraceContext<'a>,
     mut choice: f32,
+    walk: impl Fn(&LightTree, f32) -> Option<(usize, f32)>,
 ) -> Option<ChosenLight<'a>> {
     let lights = &ctx.scene.lights;
     let mut in_table = lights.len();
     if let Some(tree) = &ctx.scene.light_tree {
         if choice < tree.share {
-            let (leaf, probability) = tree.sample(p, normal, choice / tree.share)?;
-            let pmf = tree.share * probability;
-            return Some(ChosenLight { shape: &lights[tree.first + leaf].shape, pmf, inverse_pmf: 1.0 / pmf });
+            let (leaf, probability) = walk(tree, choice / tree.share)?;
+            let (index, pmf) = (tree.first + leaf, tree.share * probability);
+            return Some(ChosenLight { index, shape: &lights[index].shape, pmf, inverse_pmf: 1.0 / pmf });
         }
         choice = (choice - tree.share) / (1.0 - tree.share);
         in_table = tree.first;
@@ -92,7 +114,7 @@ pub(super) fn choose_light<'a>(
         index = lights[index].alias as usize;
     }
     let Light { shape, pmf, inverse_pmf, .. } = &lights[index];
-    Some(ChosenLight { shape, pmf: *pmf, inverse_pmf: *inverse_pmf })
+    Some(ChosenLight { index, shape, pmf: *pmf, inverse_pmf: *inverse_pmf })
 }
 
 /// Probability that a light is chosen at a point with this normal, as for [`choose_light`].

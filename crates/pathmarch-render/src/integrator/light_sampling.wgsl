@@ -27,6 +27,12 @@ struct LightSample {
     penumbra: f32,
 }
 
+/// Light that is chosen for the medium on a segment.
+struct LightAlong {
+    light: Light,
+    index: u32,
+}
+
 /// Target of a light that the shadow ray cannot miss.
 const NO_TARGET = 0xffffffffu;
 

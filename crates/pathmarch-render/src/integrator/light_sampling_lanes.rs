@@ -94,8 +94,9 @@ pub(super) fn choose_lights<'a>(
         if in_tree >> lane & 1 == 0 {
             return alone(lane);
         }
-        let shape = &ctx.scene.lights[tree.first + leaves[lane]].shape;
-        (pmf[lane] > 0.0).then(|| ChosenLight { shape, pmf: pmf[lane], inverse_pmf: 1.0 / pmf[lane] })
+        let index = tree.first + leaves[lane];
+        let shape = &ctx.scene.lights[index].shape;
+        (pmf[lane] > 0.0).then(|| ChosenLight { index, shape, pmf: pmf[lane], inverse_pmf: 1.0 / pmf[lane] })
     })
 }
 

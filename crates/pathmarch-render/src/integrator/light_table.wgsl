@@ -2,12 +2,23 @@
 
 /// Light that the uniform number `choice` chooses.
 fn chosen_light(p: vec3f, normal: vec3f, choice: f32) -> Light {
+    return lights[chosen_index(choice)];
+}
+
+/// Light that the uniform number `choice` chooses for the medium on a segment.
+fn chosen_light_along(ray: Ray, length: f32, choice: f32) -> LightAlong {
+    let index = chosen_index(choice);
+    return LightAlong(lights[index], index);
+}
+
+/// Index of the light that the uniform number `choice` chooses.
+fn chosen_index(choice: f32) -> u32 {
     let cell = choice * f32(frame.light_count);
     var index = min(u32(cell), frame.light_count - 1u);
     if cell - f32(index) >= lights[index].threshold {
         index = lights[index].alias_light;
     }
-    return lights[index];
+    return index;
 }
 
 /// Light with the probability that it is chosen.

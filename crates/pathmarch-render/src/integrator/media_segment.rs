@@ -306,7 +306,11 @@ fn scattered_light(
     let ray = &path.ray;
     let point = sample_point(ctx, ray, length, medium, path.throughput, samples.choice, samples.point)?;
     let p = ray.origin + ray.direction * point.distance;
-    let light = light_sampling::sample_direction(ctx, &point.light, p, samples.light)?;
+    let mut light = light_sampling::sample_direction(ctx, &point.light, p, samples.light)?;
+    // Rays that hit the light assume the probability of choosing it at their origin, whatever it is for a segment.
+    if light.pdf > 0.0 {
+        light.pdf *= light_sampling::light_pmf(ctx.scene, point.light.index, p, None) / point.light.pmf;
+    }
     let phase = phase_function(medium.anisotropy(), ray.direction.dot(light.direction));
     let remaining = (-medium.extinction() * point.distance).exp();
     let radiance = path.throughput * medium.scattering * remaining * (phase / point.pdf) * light.irradiance;

@@ -76,13 +76,21 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
 /// Adds light of one light that the medium scatters into the path, on a segment of this length.
 fn add_scattered_light(path: ptr<function, Path>, medium: Medium, length: f32, pair: u32) {
     let ray = (*path).ray;
-    let light = chosen_light(ray.origin, vec3f(0.0), sample_2d((*path).sampler, pair + PAIR_SEGMENT_CHOICE).x);
+    let limited = min(length, UNBOUNDED_LENGTH);
+    let extinction = extinction_of(medium);
+    let least = min(min(extinction.x, extinction.y), extinction.z);
+    let lit_length = min(min(limited, LIT_DEPTH / max(least, 1e-30)), frame.far);
+    let chosen = chosen_light_along(ray, lit_length, sample_2d((*path).sampler, pair + PAIR_SEGMENT_CHOICE).x);
     let u = sample_2d((*path).sampler, pair + PAIR_POINT);
-    let point = sample_point(ray, min(length, UNBOUNDED_LENGTH), medium, (*path).throughput, light, u);
+    let point = sample_point(ray, limited, medium, (*path).throughput, chosen.light, u);
     let p = ray.origin + ray.direction * point.distance;
-    let sampled = sample_direction(light, p, sample_2d((*path).sampler, pair + PAIR_SEGMENT_LIGHT));
+    var sampled = sample_direction(chosen.light, p, sample_2d((*path).sampler, pair + PAIR_SEGMENT_LIGHT));
+    if sampled.pdf > 0.0 {
+        // Rays that hit the light assume the probability of choosing it at their origin, whatever it is for a segment.
+        sampled.pdf *= light_from(chosen.index, p, vec3f(0.0)).pmf / chosen.light.pmf;
+    }
     let phase = phase_function(anisotropy_of(medium), dot(ray.direction, sampled.direction));
-    let remaining = exp(-extinction_of(medium) * point.distance);
+    let remaining = exp(-extinction * point.distance);
     let scattered = (*path).throughput * medium.scattering * remaining * (phase / point.pdf) * sampled.irradiance;
     if largest(scattered) > 0.0 {
         let attenuation = light_transmittance(

@@ -7,7 +7,8 @@
 //! arrives there. (2) Independently of it, a point of the segment at which one light is sampled. Half of these points
 //! are *equiangular*, uniform in the angle around the light (Kulla and Fajardo 2012, "Importance Sampling Techniques for
 //! Path Tracing in Participating Media"); the others have the density of (1), within the segment. The balance heuristic
-//! weights both. So light near a lamp converges, thin fog is lit by every path, and each segment costs one shadow ray.
+//! weights both. The light is chosen for the segment, by the [light tree](crate::scene::light_tree) if there is one. So light near
+//! a lamp converges, thin fog is lit by every path, and each segment costs one shadow ray.
 //! The radius of the light is the least distance from its centre that equiangular points assume.
 //!
 //! At an event, the phase function of Henyey and Greenstein (1941) is sampled; the power heuristic weights lights that
@@ -15,7 +16,7 @@
 //!
 //! **Cost.** A shadow ray and two exponentials for each segment in a medium that scatters.
 
-use super::light_sampling::{ChosenLight, choose_light};
+use super::light_sampling::{ChosenLight, choose_light_along};
 use super::medium::{UNBOUNDED_LENGTH, transmittance};
 use crate::intersect::ray::Ray;
 use crate::sampling::basis::basis;
@@ -29,6 +30,8 @@ shared_constants! {
     const SMALL_DEPTH: f32 = 0.02;
     /// Anisotropy below which the phase function is sampled as an isotropic one.
     const ISOTROPIC: f32 = 1e-3;
+    /// Optical depth of the part of a segment for which a light is chosen.
+    const LIT_DEPTH: f32 = 2.0;
     /// Least distance of a light from a ray for equiangular points, divided by its distance from the origin of the ray.
     const SMALLEST_HEIGHT: f32 = 1e-4;
 }
@@ -139,9 +142,10 @@ pub(super) fn sample_point<'a>(
     choice: f32,
     [u, v]: [f32; 2],
 ) -> Option<SegmentPoint<'a>> {
-    let light = choose_light(ctx, ray.origin, None, choice)?;
     let limited = length.min(UNBOUNDED_LENGTH);
     let extinction = medium.extinction();
+    let lit_length = limited.min(LIT_DEPTH / extinction.min_element()).min(ctx.frame.far);
+    let light = choose_light_along(ctx, ray, lit_length, choice)?;
     let weights = channel_weights(throughput * medium.scattering);
     let near = light.shape.extent().map(|(centre, radius)| Equiangular::new(ray, limited, centre, radius));
     let choice = if near.is_some() { 2.0 * v } else { v };

@@ -22,6 +22,7 @@
 //!
 //! **Cost.** Two importances for each level, in lanes for eight points at once. Built in O(n log n).
 
+use crate::intersect::ray::Ray;
 use crate::sampling::ONE_MINUS_EPSILON;
 use crate::wgsl::{shared_constants, shared_struct};
 use glam::Vec3;
@@ -207,11 +208,24 @@ impl LightTree {
     /// Chooses a light for a point with a uniform number. `normal` is the unit normal of a surface that is lit on this side
     /// only; `None` for other surfaces and for points in a medium. Returns the index of the leaf and its probability; `None` if
     /// no light can contribute at the end of the walk.
-    pub(crate) fn sample(&self, p: Vec3, normal: Option<Vec3>, mut random: f32) -> Option<(usize, f32)> {
+    pub(crate) fn sample(&self, p: Vec3, normal: Option<Vec3>, random: f32) -> Option<(usize, f32)> {
+        self.walk(random, |node| self.share_a(node, p, normal))
+    }
+
+    /// Chooses a light for the medium on a segment of this length, metres, which scatters light into its ray. Returns the index of
+    /// the leaf and its probability, which is above zero for every light.
+    pub(crate) fn sample_along(&self, ray: &Ray, length: f32, random: f32) -> Option<(usize, f32)> {
+        self.walk(random, |node| Some(self.share_a_along(node, ray, length)))
+    }
+
+    /// Walks from the root to a leaf with a uniform number; `share_a` is the probability of half `a` of a node. Returns the index
+    /// of the leaf and its probability.
+    #[inline(always)]
+    fn walk(&self, mut random: f32, share_a: impl Fn(usize) -> Option<f32>) -> Option<(usize, f32)> {
         let (mut node, mut first, mut count, mut probability) = (0, 0, self.count, 1.0f32);
         while count > 1 {
             let count_a = self.nodes[node].count_a as usize;
-            let share_a = self.share_a(node, p, normal)?;
+            let share_a = share_a(node)?;
             if random < share_a {
                 random /= share_a;
                 probability *= share_a;
@@ -253,6 +267,8 @@ impl LightTree {
 shared_constants! {
     /// Smallest squared distance in an importance, square metres.
     const MIN_SQUARE: f32 = 1e-20;
+    /// Weight of the distance in an inverse importance for a segment: 1/π, that of an endless line.
+    const LINE_SHARE: f32 = 0.318_309_87;
     /// Mean square of the distances of lights from the centre of their bounding sphere, in radii of the sphere.
     const SOFTENING: f32 = 0.15;
     /// Height of lights near the horizon, as a share of the height of the top of their bounding sphere.
@@ -299,6 +315,15 @@ impl LightTree {
         let halves = Halves::new(bytemuck::cast(self.nodes[node]));
         let [a, b] = halves.importances(p.into(), normal.map(FieldVec3::from), self.has_facing_lights);
         (a + b > 0.0).then(|| a / (a + b))
+    }
+
+    /// Probability of half `a` of a node for the medium on a segment.
+    fn share_a_along(&self, node: usize, ray: &Ray, length: f32) -> f32 {
+        let LightNode { centre_a, radius_a, centre_b, radius_b, intensity_ratio, .. } = self.nodes[node];
+        let [a, b] = [(centre_a, radius_a), (centre_b, radius_b)].map(|(centre, radius)| {
+            length_by_importance(Vec3::from(centre) - ray.origin, radius, ray.direction, length)
+        });
+        b / (b + a * intensity_ratio)
     }
 
     /// Nodes of eight lanes, and the number of lights in half `a` of each.
@@ -373,6 +398,15 @@ fn importance<N: Real>(offset: FieldVec3<N>, radius: N, axis: Option<FieldVec3<N
         value = value * N::select(N::constant(FULL_CONE).lt(cos_cone), facing, N::one());
     }
     value
+}
+
+/// Length of a segment, divided by the importance for its medium of lights of unit intensity in a sphere with its centre at
+/// `offset` from the origin. The importance is about the integral of the inverse square of the distance along the segment: its
+/// length by the square of the least distance where that is large, and π by the distance for an endless line.
+fn length_by_importance(offset: Vec3, radius: f32, direction: Vec3, length: f32) -> f32 {
+    let nearest = offset - direction * offset.dot(direction).clamp(0.0, length);
+    let square = (nearest.length_squared() + SOFTENING * radius * radius).max(MIN_SQUARE);
+    square + LINE_SHARE * length * square.sqrt()
 }
 
 /// Mean height above a plane of the parts of a sphere that are above it, roughly; zero if none is. `height` is that of its centre.
@@ -548,6 +582,48 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn lights_are_chosen_for_segments_with_their_probability() {
+        const SAMPLES: u32 = 20_000;
+        for count in [1u32, 2, 7, 40] {
+            let (tree, _) = tree(&lights(count));
+            for (place, length) in (0..).zip([0.0, 1e-6, 0.5, 4.0, 1e7]) {
+                let ([x, y, z, _], [u, v, ..]) = (random(1000 + place), random(2000 + place));
+                let ray = Ray { origin: Vec3::new(x - 0.2, y - 0.2, z - 0.2) * 5.0, direction: direction(u, v) };
+                // Probability and number of the samples of each light.
+                let mut found = vec![(0.0f32, 0u32); count as usize];
+                for k in 0..SAMPLES {
+                    let number = (k as f32 + 0.5) / SAMPLES as f32;
+                    let (leaf, probability) = tree.sample_along(&ray, length, number).expect("a light");
+                    found[leaf] = (probability, found[leaf].1 + 1);
+                }
+                let sum: f32 = found.iter().map(|(probability, _)| probability).sum();
+                // Lights of a probability below one in 20,000 may not be found.
+                assert!((sum - 1.0).abs() < 3e-3, "{count} lights, {length} m: {sum}");
+                for (probability, counted) in found {
+                    let difference = (counted as f32 - probability * SAMPLES as f32).abs();
+                    assert!(difference < 2.5, "{count} lights, {length} m: {counted}, {probability}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lights_close_to_a_segment_are_preferred() {
+        let at = |x: f32| LightBounds { centre: Vec3::X * x, radius: 0.0, normals: NormalCone::ALL, intensity: 1.0 };
+        let (tree, order) = tree(&[at(0.0), at(10.0), at(20.0), at(30.0)]);
+        let ray = Ray { origin: Vec3::new(20.0, -50.0, 0.5), direction: Vec3::Y };
+        // The segment passes the third light if it is long, and ends far away from all of them if it is short.
+        let [passes, ends] = [100.0, 1.0].map(|length| {
+            let of_third = |k: u32| {
+                let (leaf, probability) = tree.sample_along(&ray, length, k as f32 / 64.0).expect("a light");
+                (order[leaf] == 2).then_some(probability)
+            };
+            (0..64).find_map(of_third).expect("it is found")
+        });
+        assert!(passes > 0.7 && (0.2..0.35).contains(&ends), "{passes} {ends}");
     }
 
     #[test]

@@ -77,8 +77,6 @@ impl RenderScene {
         let mut sky = SkyLight::new(scene);
         let extent = Extent::new(scene, camera);
         let media = Media::new(scene);
-        // Media choose a light before the point that it lights.
-        let by_place = by_place && !media.participate();
         let SceneLights { lights, meshes, tree } = light::lights(scene, sky.sampled_power(), &extent, by_place);
         let environment = lights.iter().find(|light| matches!(light.shape, LightShape::Environment));
         if let Some(environment) = environment {
