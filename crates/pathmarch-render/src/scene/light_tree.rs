@@ -9,6 +9,9 @@
 //! numbers stay stratified, and the probability of a light is the product of the choices. An importance is zero only if no light
 //! of the half can contribute; if both are zero, no light is chosen.
 //!
+//! **Media.** For a segment of a path in a medium, the importance of a half is about its intensity, integrated over the segment by
+//! the squared distance.
+//!
 //! **Differences.** Nodes contain bounding spheres instead of boxes, because the importance uses only these. It is a mean, not an
 //! upper bound: the kernel h/d³ of a point at height h and distance d, softened by a share of the squared radius, as in
 //! simulations of gravity (Plummer 1911). With the bounds of the sources, large nodes close to the point get too much: for 400
