@@ -175,19 +175,26 @@ impl SparseGrid {
             negligible,
             cutoff: shape_grid.smooth.map_or(0.0, |blend| cutoff(blend, negligible)),
             short: SHORT * ((count as f32 / 1000.0).powf(0.6).round() as usize).clamp(1, 16),
-            roots: (0..counts.iter().product()).map(|_| Root::default()).collect(),
+            roots: Vec::new(),
             entries: 0,
         };
-        let mut roots = std::mem::take(&mut grid.roots);
-        let mut pruner = Pruner::new(field, shape_grid, &grid, (0..count as u32).collect());
         let [nx, ny, nz] = counts.map(|count| count.div_ceil(1 << BLOCK));
-        for block in (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))) {
-            let [pruned, ..] = pruner.prune_each(&[block], BITS + BLOCK, 0..count);
-            pruner.prune_roots(block, BLOCK, pruned.list.clone(), pruned.list.len(), &mut roots);
-            pruner.stack.truncate(count);
-        }
-        grid.entries = roots.iter().map(|root| root.list.len()).sum::<usize>().max(1);
-        grid.roots = roots;
+        let places = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
+        let blocks: Vec<[u32; 3]> = places.collect();
+        let roots_of = |blocks: &[[u32; 3]]| {
+            let mut pruner = Pruner::new(field, shape_grid, &grid, (0..count as u32).collect());
+            let pruned = pruner.prune_each(blocks, BITS + BLOCK, 0..count);
+            let mut roots = Vec::new();
+            for (&block, Pruned { list, .. }) in blocks.iter().zip(pruned) {
+                let length = list.len();
+                pruner.prune_roots(block, BLOCK, list, length, &mut roots);
+            }
+            roots
+        };
+        let mut roots: Vec<(usize, Root)> = blocks.par_chunks(8).flat_map_iter(roots_of).collect();
+        roots.sort_unstable_by_key(|(index, _)| *index);
+        grid.roots = roots.into_iter().map(|(_, root)| root).collect();
+        grid.entries = grid.roots.iter().map(|root| root.list.len()).sum::<usize>().max(1);
         if let Some((previous, grid_before)) = shape_grid.previous.as_ref().and_then(|p| Some((p, p.grid.get()?))) {
             grid.take_over(grid_before, previous);
         }
@@ -393,8 +400,15 @@ impl<'a> Pruner<'a> {
         0.5 * 3f32.sqrt() * SLACK * self.lipschitz * edge + self.negligible
     }
 
-    /// Prunes a list for the roots in a cube of them.
-    fn prune_roots(&mut self, place: [u32; 3], bits: u32, list: Range<usize>, block_length: usize, roots: &mut [Root]) {
+    /// Prunes a list for the roots in a cube of them, which are appended to `roots` with their indices.
+    fn prune_roots(
+        &mut self,
+        place: [u32; 3],
+        bits: u32,
+        list: Range<usize>,
+        block_length: usize,
+        roots: &mut Vec<(usize, Root)>,
+    ) {
         let counts = self.counts;
         let size = 1 << (bits - 1);
         let octants = octants_of(place).map(|place| place.map(|v| v * size));
@@ -410,8 +424,8 @@ impl<'a> Pruner<'a> {
             }
             let [x, y, z] = place;
             let list = self.stack[list].to_vec();
-            roots[((z * counts[1] + y) * counts[0] + x) as usize] =
-                Root { list, block_length, distance, cells: OnceLock::new() };
+            let index = ((z * counts[1] + y) * counts[0] + x) as usize;
+            roots.push((index, Root { list, block_length, distance, cells: OnceLock::new() }));
         }
         self.stack.truncate(top);
     }
