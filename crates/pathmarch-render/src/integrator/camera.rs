@@ -37,6 +37,16 @@ pub(crate) fn central_ray(frame: &FrameUniforms, x: f32, y: f32) -> Ray {
     Ray { origin: Vec3::from(frame.position), direction: view_vector(frame, x, y).normalize() }
 }
 
+/// Point on the ray through the centre of the lens and the place in the picture of a camera ray, at the depth of a point `p`.
+pub(crate) fn central_point(frame: &FrameUniforms, ray: &Ray, p: Vec3) -> Vec3 {
+    if frame.lens_radius == 0.0 {
+        return p;
+    }
+    let (position, forward) = (Vec3::from(frame.position), Vec3::from(frame.forward));
+    let in_focus = ray.origin + ray.direction * (frame.focus / ray.direction.dot(forward));
+    position + (in_focus - position) * ((p - position).dot(forward) / frame.focus)
+}
+
 /// Vector from the lens to a position in the picture, in the plane at distance one.
 fn view_vector(frame: &FrameUniforms, x: f32, y: f32) -> Vec3 {
     let across = 2.0 * x / frame.width as f32 - 1.0;

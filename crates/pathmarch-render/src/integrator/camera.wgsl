@@ -6,6 +6,15 @@ fn camera_ray(x: u32, y: u32, sampler: PixelSampler) -> Ray {
     return camera_ray_of(vec2u(x, y), vec2u(frame.width, frame.height), sampler);
 }
 
+/// Point on the ray through the centre of the lens and the place in the picture of a camera ray, at the depth of a point.
+fn central_point(ray: Ray, p: vec3f) -> vec3f {
+    if frame.lens_radius == 0.0 {
+        return p;
+    }
+    let in_focus = ray.origin + ray.direction * (frame.focus / dot(ray.direction, frame.forward));
+    return frame.position + (in_focus - frame.position) * (dot(p - frame.position, frame.forward) / frame.focus);
+}
+
 /// Camera ray of a sample of a pixel of a picture of this size.
 fn camera_ray_of(pixel: vec2u, size: vec2u, sampler: PixelSampler) -> Ray {
     let pixel_offset = sample_2d(sampler, PAIR_PIXEL);

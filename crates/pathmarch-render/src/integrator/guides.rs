@@ -9,6 +9,7 @@ use super::medium_light::{MEDIUM_ALPHA, MediumLightRecorder};
 use super::path_state::Path;
 use super::reflected_light::{ReflectedLight, ReflectionRecorder};
 use super::shadow::ShadowTest;
+use crate::integrator::camera::central_point;
 use crate::intersect::ray::Ray;
 use crate::scene::TraceContext;
 use crate::scene::leaf::FRACTAL;
@@ -59,7 +60,8 @@ pub(crate) enum GuideClass {
 /// Guide of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Guide {
-    /// Position in world space, or that of the mirror image; far away for the sky.
+    /// Position in world space, or that of the mirror image; far away for the sky. With a lens, the point at this depth that a
+    /// pinhole would show.
     pub(crate) position: Vec3,
     /// Unit normal on the side of the camera, mirrored as the position is.
     pub(crate) normal: Vec3,
@@ -217,7 +219,7 @@ impl GuideRecorder {
     /// Guides of the sky, for these camera rays.
     pub(crate) fn new(ctx: &TraceContext, camera_rays: Vec<Ray>) -> Self {
         let sky = |ray: &Ray| Guide {
-            position: ray.origin + ray.direction * ctx.frame.far,
+            position: central_point(ctx.frame, ray, ray.origin + ray.direction * ctx.frame.far),
             normal: -ray.direction,
             seen_normal: -ray.direction,
             length: ctx.frame.far,
@@ -326,7 +328,7 @@ impl GuideRecorder {
         let starts_anew = ctx.config.boundaries && surface_index == 0;
         let length = if starts_anew { interaction.p.distance(ray.origin) } else { interaction.length };
         *guide = Guide {
-            position: ray.origin + ray.direction * length,
+            position: central_point(ctx.frame, &ray, ray.origin + ray.direction * length),
             normal,
             seen_normal: normal,
             albedo,

@@ -35,7 +35,7 @@ fn begin_guide(camera: Ray) {
     guide_ray = camera;
     guide_state = GUIDE_MIRRORED;
     guide_mirrors = mat3x3f(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
-    guide.position = camera.origin + camera.direction * frame.far;
+    guide.position = central_point(camera, camera.origin + camera.direction * frame.far);
     guide.normal = -camera.direction;
     guide.seen_normal = -camera.direction;
     guide.guide_class = GUIDE_SKY;
@@ -143,7 +143,7 @@ fn record_guide(
     // The length of a path starts anew at the boundaries of media.
     let starts_anew = HAS_BOUNDARIES && surface_index == 0u;
     let distance_along_ray = select(length, distance(interaction.p, guide_ray.origin), starts_anew);
-    guide.position = guide_ray.origin + guide_ray.direction * distance_along_ray;
+    guide.position = central_point(guide_ray, guide_ray.origin + guide_ray.direction * distance_along_ray);
     guide.normal = guide_mirrors * n;
     guide.seen_normal = guide.normal;
     guide.guide_class = select(select(GUIDE_SURFACE, GUIDE_GLASS, is_glass), GUIDE_EMITTER, (flags & EMITS) != 0u);

@@ -122,11 +122,8 @@ pub(super) fn antialiased(
 
 /// Position of the sample of a pixel, from its guide.
 fn sample_position(frame: &FrameUniforms, projection: &Projection, index: usize, guide: &Guide) -> [f32; 2] {
-    let pixel = [index % frame.width as usize, index / frame.width as usize].map(|at| at as f32);
-    // A lens moves the projection out of the pixel.
-    projection
-        .project(guide.position)
-        .map_or(pixel.map(|at| at + 0.5), |at| std::array::from_fn(|k| at[k].clamp(pixel[k], pixel[k] + 1.0)))
+    let middle = || [index % frame.width as usize, index / frame.width as usize].map(|at| at as f32 + 0.5);
+    projection.project(guide.position).unwrap_or_else(middle)
 }
 
 impl Upscaling<'_> {

@@ -111,9 +111,8 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
         squares += opponent * opponent;
         count += 1.0;
         if is_larger {
-            var position = project(guide.position);
-            // A lens moves the projection out of the pixel.
-            position = select(clamp(position, vec2f(place), vec2f(place) + 1.0), vec2f(place) + 0.5, position.x < -1e8);
+            let projected = project(guide.position);
+            let position = select(projected, vec2f(place) + 0.5, projected.x < -1e8);
             let distance = (point - position) * factor;
             let weight = exp(-0.5 * dot(distance, distance) / (KERNEL_DEVIATION * KERNEL_DEVIATION));
             weighted += there * weight;

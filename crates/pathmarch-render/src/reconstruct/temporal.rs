@@ -389,6 +389,23 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_lens_leaves_samples_in_their_pixels() {
+        let scene = Scene::parse("test.kdl", SCENE).expect("a scene");
+        let mut camera = scene.cameras[0].clone();
+        (camera.lens_radius, camera.focus) = (0.3, Some(4.0));
+        let settings = Settings { size: [40, 30], viewpoint: Some(camera), ..Settings::of(&scene) };
+        let input = RenderInput::new(&scene, &settings);
+        let pixels: Vec<(u32, u32)> = (0..30).flat_map(|y| (0..40).map(move |x| (x, y))).collect();
+        let (_, guides) = input.sample_with_guides(&input.context(None), &pixels, 0);
+        let projection = Projection::new(&input.frame);
+        for ((x, y), guide) in pixels.into_iter().zip(guides) {
+            let [across, down] = projection.project(guide.position).expect("in front");
+            let (dx, dy) = (across - x as f32, down - y as f32);
+            assert!((-1e-3..1.001).contains(&dx) && (-1e-3..1.001).contains(&dy), "{x} {y}: {across} {down}");
+        }
+    }
+
     /// Frame of a camera at this place, and guides of its pixels on the plane z = 0, which is object 1.
     fn on_a_plane(viewpoint: [f32; 3]) -> (FrameUniforms, Vec<Guide>) {
         let frame = input(viewpoint).frame;
