@@ -255,8 +255,7 @@ fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
         let [a, b] = sequences.each_mut().map(|sequence| sequence.render(scene, &settings).expect("a picture"));
         let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
         println!("lens, frame {frame}: relMSE {error:.2e}");
-        // Sines differ from one backend to the other, and so do rays through the lens: some samples are others.
-        assert!(error < 5e-4, "{frame}: {error}");
+        assert!(error < 1e-5, "{frame}: {error}");
     }
     // At rest, a film of several samples.
     let settings = settings(scene, moved(scene, 0.14), 9, 8);
