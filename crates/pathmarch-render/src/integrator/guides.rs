@@ -5,11 +5,11 @@
 //! glass are its own, since a path takes one of its two ways by chance. The surface is that of the first sample of a
 //! pixel; the albedo is a mean over all of them, so that edges and textures are as smooth as the film.
 
+use super::camera::central_point;
 use super::medium_light::{MEDIUM_ALPHA, MediumLightRecorder};
 use super::path_state::Path;
 use super::reflected_light::{ReflectedLight, ReflectionRecorder};
 use super::shadow::ShadowTest;
-use crate::integrator::camera::central_point;
 use crate::intersect::ray::Ray;
 use crate::scene::TraceContext;
 use crate::scene::leaf::FRACTAL;
