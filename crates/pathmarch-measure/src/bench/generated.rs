@@ -31,6 +31,7 @@ pub static ALL: [Generated; 8] = [
 
 /// Fog in which a lamp a few metres away has a halo.
 const FOG: &str = "fog { scatter 0.08; absorb 0.01; anisotropy 0.3 }\n";
+
 /// Radius of spherical light sources, metres.
 const RADIUS: f32 = 0.06;
 /// Largest number of spherical light sources.

@@ -72,7 +72,7 @@ pub(crate) struct Guide {
     pub(crate) albedo: Vec3,
     /// Mean square of the luminance of the samples, each divided by its albedo.
     pub(crate) square: f32,
-    /// Length of the path from the camera, metres; with a lens, the distance of the position from its centre.
+    /// Distance of the position from the camera, metres: the length of the path.
     pub(crate) length: f32,
     pub(crate) class: GuideClass,
     /// True if the samples show several surfaces.
@@ -328,14 +328,13 @@ impl GuideRecorder {
         let starts_anew = ctx.config.boundaries && surface_index == 0;
         let length = if starts_anew { interaction.p.distance(ray.origin) } else { interaction.length };
         let position = central_point(ctx.frame, &ray, ray.origin + ray.direction * length);
-        let length = if ctx.frame.lens_radius == 0.0 { length } else { position.distance(ctx.frame.position.into()) };
         *guide = Guide {
             position,
             normal,
             seen_normal: normal,
             albedo,
             square: 0.0,
-            length,
+            length: position.distance(ctx.frame.position.into()),
             class,
             is_mixed: false,
             is_glossy: is_glass || material.has(GLOSSY),

@@ -43,6 +43,7 @@ pub(crate) struct LightSample {
 
 /// Light with the probability of choosing it at a point, or for a segment in a medium.
 pub(super) struct ChosenLight<'a> {
+    /// Index among the lights of the scene.
     pub(super) index: usize,
     pub(super) shape: &'a LightShape,
     pub(super) pmf: f32,

@@ -1,6 +1,6 @@
 // import: light_nodes
-// Choice of a light by its contribution to a point. Twin of scene/light_tree.rs and of `choose_light` in light_sampling.rs, which
-// explain it.
+// Choice of a light by its contribution to a point or to the medium on a segment. Twin of scene/light_tree.rs and of
+// `choose_light` in light_sampling.rs, which explain it.
 
 /// Walk down the tree: a uniform number, the probability of the way so far, and the lights below a node.
 struct Walk {

@@ -270,7 +270,7 @@ impl LightTree {
 shared_constants! {
     /// Smallest squared distance in an importance, square metres.
     const MIN_SQUARE: f32 = 1e-20;
-    /// Weight of the distance in an inverse importance for a segment: 1/π, that of an endless line.
+    /// Weight of the distance in [`length_by_importance`]: 1/π, that of an endless line.
     const LINE_SHARE: f32 = 0.318_309_87;
     /// Mean square of the distances of lights from the centre of their bounding sphere, in radii of the sphere.
     const SOFTENING: f32 = 0.15;
