@@ -7,7 +7,8 @@
 //! Both angles are multiplied by powers of complex numbers, (y + iρ)^n and ((x + iz)/ρ)^n with ρ the distance to the
 //! axis, so there is no angle: (y + iρ)^k = a + iρb, with a and b polynomials in y and ρ². That is exact on the axis
 //! too, where an angle has no derivative, and the same to the last bit in all numbers a field is written over. n is
-//! whole: another power tears the solid where the angle jumps.
+//! whole: another power tears the solid where the angle jumps. Where n is known, the second power is one of
+//! (x + iz)²/ρ², which needs no root, times ρb for an even n and (x + iz) b for an odd one.
 //!
 //! Distance: half of |z| ln |z|/|z'| from the potential (Douady and Hubbard 1984; Hart et al. 1989, section 3), over a
 //! slope. The usual running derivative n |z|^(n-1) d + 1 is too small near the axis, as the power is not conformal:
@@ -23,7 +24,7 @@
 //! (`tests/fractals.rs`); with the usual running derivative it was 300 and more. It is divided by a quarter of the
 //! power, at least by 2.4, and below the power 4 by 6.
 //!
-//! Cost: for the power 8 about 60 operations, two roots and four divisions for each iteration until the orbit has escaped,
+//! Cost: for the power 8 about 60 operations, two roots and two divisions for each iteration until the orbit has escaped,
 //! one logarithm. Each power is a shape of its own ([`Shape`]): with all digits of any power in the code it was 110.
 
 use crate::bounds::Aabb;
@@ -102,11 +103,33 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
     #[inline(always)]
     fn lengths(&self, length: N, a: N, radial: N) -> [N; 2] {
         if self.known() > 1 {
-            let [raised] = known_power(self.known(), [length], |[u], [v]| [u * v]);
-            return [raised, raised / length.max(N::constant(1e-12))];
+            let [along] = known_power(self.known() - 1, [length], |[u], [v]| [u * v]);
+            return [along * length, along];
         }
         let raised = a.hypot(radial).named("raised");
         [raised, raised / length.max(N::constant(1e-12))]
+    }
+    /// ρb, and its parts along x and z where the angle about the axis is n times that of x + iz.
+    #[inline(always)]
+    fn about_axis(&self, [x, z]: [N; 2], across_square: N, b: N) -> [N; 3] {
+        let times = |u: [N; 2], v: [N; 2]| [u[0] * v[0] - u[1] * v[1], u[0] * v[1] + u[1] * v[0]];
+        let across = across_square.sqrt().named("across");
+        let radial = across * b;
+        let power = self.known();
+        if power < 2 {
+            let inverse = N::one() / across.max(N::constant(1e-12));
+            let [cos, sin] = self.raised([x * inverse, z * inverse], times);
+            return [radial, radial * cos, radial * sin];
+        }
+        // Of length one, or zero on the axis.
+        let inverse = N::one() / across_square.max(N::constant(1e-24));
+        let square = [(x * x - z * z) * inverse, (x + x) * z * inverse];
+        let [cos, sin] = known_power(power / 2, square, times);
+        let [along_x, along_z] = match power % 2 {
+            0 => [radial * cos, radial * sin],
+            _ => times([x * b, z * b], [cos, sin]),
+        };
+        [radial, along_x, along_z]
     }
     #[inline(always)]
     fn start(&self, p: Vec3<N>) -> State<N> {
@@ -115,24 +138,21 @@ impl<N: Real, const POWER: u32> Map<N, POWER> {
     }
     #[inline(always)]
     fn step(&self, [x, y, z, shrink, offset]: State<N>, p: Vec3<N>, near: N::Mask) -> (State<N>, N::Mask) {
-        let tiny = N::constant(1e-12);
         let across_square = (x * x + z * z).named("across_square");
-        let across = across_square.sqrt().named("across");
         let length = (across_square + y * y).sqrt();
         // From the axis: a + iρb.
         let [a, b] =
             self.raised([y, N::one()], |u, v| [u[0] * v[0] - across_square * (u[1] * v[1]), u[0] * v[1] + u[1] * v[0]]);
-        // About the axis: of length one, or zero on it.
-        let inverse = N::one() / across.max(tiny);
-        let about = [x * inverse, z * inverse];
-        let [cos, sin] = self.raised(about, |u, v| [u[0] * v[0] - u[1] * v[1], u[0] * v[1] + u[1] * v[0]]);
-        let radial = across * b;
+        let [radial, along_x, along_z] = self.about_axis([x, z], across_square, b);
         let [raised, along] = self.lengths(length, a, radial);
-        let about_axis = b.abs() / raised.max(N::one());
-        let factor = (self.power * along.max(about_axis)).max(N::one());
-        let next = Vec3::new(radial * cos, a, radial * sin) + p;
+        // The factor of the derivative is n max(along, |b| / scale), at least one; all of it times the scale, there is one
+        // division.
+        let scale = raised.max(N::one());
+        let factor = (self.power * (along * scale).max(b.abs())).max(scale);
+        let scaled = shrink * scale;
+        let next = Vec3::new(along_x, a, along_z) + p;
         let go_on = near & next.dot(next).lt(self.escaped * self.escaped);
-        ([next.x, next.y, next.z, shrink / (factor + shrink), offset * self.power], go_on)
+        ([next.x, next.y, next.z, scaled / (factor + scaled), offset * self.power], go_on)
     }
 }
 
