@@ -23,7 +23,7 @@
 //!
 //! On the CPU, eight rays are traced side by side. A lane whose ray has ended takes the next one.
 
-use super::ray::{Hit, Ray, RaySegment, Rays8, lanes};
+use super::ray::{Hit, Ray, RaySegment, Rays8};
 use crate::ray_stats::MarchStats;
 #[cfg(doc)]
 use crate::scene::KernelConfig;
@@ -114,6 +114,81 @@ fn intersect_triangles(field: &Field, frame: &FrameUniforms, segment: &RaySegmen
     Interval { end: interval.end.min(hit.t), analytic_hit, ..interval }
 }
 
+/// State of eight sphere-traced rays.
+#[derive(Clone, Copy)]
+struct Lanes {
+    origin: FieldVec3<f32x8>,
+    direction: FieldVec3<f32x8>,
+    t: f32x8,
+    /// End of the ray; a lane without a ray is always past it.
+    limit: f32x8,
+    /// Length of the path before the ray, metres.
+    path_length: f32x8,
+    /// Evaluations so far.
+    steps: f32x8,
+    /// Infinite once the ray has left the surface that it starts on.
+    last_distance: f32x8,
+    /// Radius of the unbounding sphere at the last point.
+    radius: f32x8,
+    /// Step from the last point.
+    stride: f32x8,
+}
+
+impl Default for Lanes {
+    fn default() -> Self {
+        let (zero, origin) = (f32x8::ZERO, FieldVec3::splat(f32x8::ZERO));
+        Self {
+            origin,
+            direction: origin,
+            t: zero,
+            limit: zero,
+            path_length: zero,
+            steps: zero,
+            last_distance: zero,
+            radius: zero,
+            stride: zero,
+        }
+    }
+}
+
+impl Lanes {
+    /// Starts a ray in a lane.
+    #[inline(always)]
+    fn start(&mut self, lane: usize, segment: &RaySegment, interval: &Interval) {
+        let is_lane = single(lane);
+        let put = |value: f32, old: f32x8| Real::select(is_lane, f32x8::splat(value), old);
+        let put_vector =
+            |v: Vec3, old: FieldVec3<f32x8>| FieldVec3::new(put(v.x, old.x), put(v.y, old.y), put(v.z, old.z));
+        *self = Self {
+            origin: put_vector(segment.ray.origin, self.origin),
+            direction: put_vector(segment.ray.direction, self.direction),
+            t: put(interval.start, self.t),
+            limit: put(interval.end, self.limit),
+            path_length: put(segment.path_length, self.path_length),
+            steps: put(0.0, self.steps),
+            last_distance: put(if interval.start == 0.0 { 0.0 } else { f32::INFINITY }, self.last_distance),
+            radius: put(0.0, self.radius),
+            stride: put(0.0, self.stride),
+        };
+    }
+
+    /// Leaves a lane without a ray.
+    #[inline(always)]
+    fn stop(&mut self, lane: usize) {
+        let is_lane = single(lane);
+        self.limit = Real::select(is_lane, f32x8::splat(-1.0), self.limit);
+        self.radius = Real::select(is_lane, f32x8::ZERO, self.radius);
+        self.stride = Real::select(is_lane, f32x8::ZERO, self.stride);
+    }
+}
+
+/// This lane alone.
+#[inline(always)]
+fn single(lane: usize) -> Mask8 {
+    const LANES: [f32; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+    Mask8(f32x8::from(LANES).simd_eq(f32x8::splat(lane as f32)))
+}
+
 /// First hit of each ray; `None` for a miss. All rays are of one [kind](RaySegment::kind).
 pub(crate) fn march(ctx: &TraceContext, rays: &[RaySegment]) -> Vec<Option<Hit>> {
     let Some(counters) = ctx.stats else { return sphere_trace::<false>(ctx, rays, &mut []) };
@@ -137,7 +212,6 @@ fn sphere_trace<const STATS: bool>(
     let (field, frame) = (&ctx.scene.field, ctx.frame);
     let kind = rays.first().map_or(RayKind::Camera, RaySegment::kind);
     debug_assert!(!field.has_meshes_lit_by_field() || rays.iter().all(|segment| segment.kind() == kind));
-    const IDLE: usize = usize::MAX;
     let mut hits = Vec::with_capacity(rays.len());
     let mut pending = Vec::new();
     let has_triangles = field.has_triangles();
@@ -153,117 +227,96 @@ fn sphere_trace<const STATS: bool>(
         }
     }
     let mut queue = pending.into_iter();
-    let mut lane_ray = [IDLE; 8];
-    let mut steps = [0u32; 8];
-    // Per lane: origin, direction, t, end, path length; last distance, infinite once the ray has left the surface that
-    // it starts on; radius of the unbounding sphere at the last point, and the step from there.
-    let mut state = [[0.0f32; 8]; 12];
+    let mut lane_ray = [0; 8];
+    let mut lanes = Lanes::default();
+    // Lanes with a ray.
+    let mut busy = 0u32;
     // For the statistics: t and distance of the last evaluation, and the steepest change so far.
     let mut evaluated = [f32x8::ZERO; 3];
-    let mut refill = |lane: usize, lane_ray: &mut [usize; 8], state: &mut [[f32; 8]; 12], steps: &mut [u32; 8]| {
-        lane_ray[lane] = IDLE;
+    let mut refill = |lane: usize, lanes: &mut Lanes, lane_ray: &mut [usize; 8], busy: &mut u32| {
         if let Some((index, interval)) = queue.next() {
-            let RaySegment { ray: Ray { origin: o, direction: d }, path_length, .. } = rays[index];
-            let last_distance = if interval.start == 0.0 { 0.0 } else { f32::INFINITY };
-            let values =
-                [o.x, o.y, o.z, d.x, d.y, d.z, interval.start, interval.end, path_length, last_distance, 0.0, 0.0];
-            for (slot, value) in state.iter_mut().zip(values) {
-                slot[lane] = value;
-            }
-            steps[lane] = 0;
+            lanes.start(lane, &rays[index], &interval);
             lane_ray[lane] = index;
-            return;
+            *busy |= 1 << lane;
+        } else {
+            lanes.stop(lane);
+            *busy &= !(1 << lane);
         }
-        // An idle lane is always past its end.
-        (state[7][lane], state[10][lane], state[11][lane]) = (-1.0, 0.0, 0.0);
     };
     for lane in 0..8 {
-        refill(lane, &mut lane_ray, &mut state, &mut steps);
+        refill(lane, &mut lanes, &mut lane_ray, &mut busy);
     }
     let (tolerance_factor, rounding) = (f32x8::splat(frame.tolerance), f32x8::splat(frame.rounding));
     let step_factor = f32x8::splat(frame.step_factor);
     let (zero, min_slope) = (f32x8::ZERO, f32x8::splat(MIN_SLOPE));
-    while lane_ray.iter().any(|&ray| ray != IDLE) {
-        let [ox, oy, oz, dx, dy, dz, mut t, limit, path_length, mut last_distance, mut radius, mut stride] =
-            state.map(f32x8::from);
-        // Trace until the ray of some lane ends.
-        let (ended, was_hit) = loop {
-            let p = FieldVec3::new(ox + dx * t, oy + dy * t, oz + dz * t);
-            let distance = field.sphere_traced_distance(p, kind) * step_factor;
-            let extent = p.x.abs().fast_max(p.y.abs().fast_max(p.z.abs()));
-            let hit_tolerance = (tolerance_factor * (path_length + t)).fast_max(rounding * extent);
-            if STATS {
-                let [previous_t, previous_distance, steepest] = evaluated;
-                let change =
-                    (distance - previous_distance).abs() - f32x8::splat(TOLERATED_ROUNDING_ERRORS) * rounding * extent;
-                let steepness = change / (t - previous_t).abs().fast_max(f32x8::splat(f32::MIN_POSITIVE));
-                let first = lanes(|lane| f32::from(steps[lane] == 0));
-                let steepest =
-                    Real::select(Mask8(first.simd_gt(f32x8::ZERO)), f32x8::ZERO, steepness.fast_max(steepest));
-                evaluated = [t, distance, steepest];
-            }
-            // The unbounding spheres of this point and the last are disjoint: retreat to the end of the last one.
-            let disjoint = (radius + distance).simd_lt(stride);
-            let change = (distance - radius) / stride.fast_max(f32x8::splat(1e-30));
-            let change = change.fast_max(min_slope).fast_min(f32x8::splat(MAX_SLOPE));
-            let slope = Real::select(Mask8(zero.simd_lt(stride)), change, min_slope);
-            let hit_tolerance = if ctx.config.refined_grazing {
-                let grazes = f32x8::splat(GRAZING_SLOPE).simd_lt(slope);
-                let grazing_tolerance = (hit_tolerance * f32x8::splat(GRAZING_TOLERANCE)).fast_max(rounding * extent);
-                Real::select(Mask8(grazes), grazing_tolerance, hit_tolerance)
-            } else {
-                hit_tolerance
-            };
-            let is_close = distance.simd_lt(hit_tolerance);
-            let hit = is_close & distance.simd_lt(last_distance) & !disjoint;
-            let new_radius = distance.fast_max(hit_tolerance);
-            let relaxed_stride =
-                new_radius * (f32x8::splat(ctx.config.relaxation) / (f32x8::ONE - slope)).fast_max(f32x8::ONE);
-            let distance_if_close = Real::select(Mask8(is_close), distance, f32x8::splat(f32::INFINITY));
-            let if_disjoint = |then: f32x8, otherwise: f32x8| Real::select(Mask8(disjoint), then, otherwise);
-            let advance = if_disjoint(radius - stride, relaxed_stride);
-            (last_distance, stride, radius) = (
-                if_disjoint(last_distance, distance_if_close),
-                if_disjoint(radius, relaxed_stride),
-                if_disjoint(radius, new_radius),
-            );
-            t = Real::select(Mask8(hit), t, t + advance);
-            // The ray ends beyond the last unbounding sphere: evaluate the field at the end of that sphere first.
-            let overshoots = limit.simd_lt(t) & !hit;
-            let retreated = t + radius - stride;
-            t = Real::select(Mask8(overshoots), retreated, t);
-            stride = Real::select(Mask8(overshoots), radius, stride);
-            let past_end = limit.simd_lt(t);
-            let mut ended = (hit | past_end).to_bitmask();
-            let mut was_hit = hit.to_bitmask() & !past_end.to_bitmask();
-            for (lane, step) in steps.iter_mut().enumerate() {
-                *step += 1;
-                if *step >= MAX_STEPS && ended >> lane & 1 == 0 {
-                    ended |= 1 << lane;
-                    let (d, length) = (distance.to_array()[lane], path_length.to_array()[lane] + t.to_array()[lane]);
-                    was_hit |= u32::from(d < 0.01 * length) << lane;
-                }
-            }
-            let busy: u32 = (0..8).map(|lane| u32::from(lane_ray[lane] != IDLE) << lane).sum();
-            if ended & busy != 0 {
-                break (ended & busy, was_hit);
-            }
-        };
-        state[6] = t.to_array();
-        for (slot, value) in state[9..].iter_mut().zip([last_distance, radius, stride]) {
-            *slot = value.to_array();
+    while busy != 0 {
+        let Lanes { origin, direction, mut t, limit, path_length, steps, mut last_distance, mut radius, mut stride } =
+            lanes;
+        let p = origin + direction * t;
+        let distance = field.sphere_traced_distance(p, kind) * step_factor;
+        let extent = p.abs().largest();
+        let hit_tolerance = (tolerance_factor * (path_length + t)).fast_max(rounding * extent);
+        if STATS {
+            let [previous_t, previous_distance, steepest] = evaluated;
+            let change =
+                (distance - previous_distance).abs() - f32x8::splat(TOLERATED_ROUNDING_ERRORS) * rounding * extent;
+            let steepness = change / (t - previous_t).abs().fast_max(f32x8::splat(f32::MIN_POSITIVE));
+            let steepest = Real::select(Mask8(steps.simd_eq(zero)), zero, steepness.fast_max(steepest));
+            evaluated = [t, distance, steepest];
         }
-        for lane in 0..8 {
-            if ended >> lane & 1 == 1 {
-                if STATS && lane_ray[lane] != IDLE {
-                    stats[lane_ray[lane]] =
-                        MarchStats { evaluations: steps[lane], steepest: evaluated[2].to_array()[lane] };
-                }
-                if was_hit >> lane & 1 == 1 {
-                    hits[lane_ray[lane]] = Some(Hit { t: state[6][lane], analytic: None, triangle: None });
-                }
-                refill(lane, &mut lane_ray, &mut state, &mut steps);
+        // The unbounding spheres of this point and the last are disjoint: retreat to the end of the last one.
+        let disjoint = (radius + distance).simd_lt(stride);
+        let change = (distance - radius) / stride.fast_max(f32x8::splat(1e-30));
+        let change = change.fast_max(min_slope).fast_min(f32x8::splat(MAX_SLOPE));
+        let slope = Real::select(Mask8(zero.simd_lt(stride)), change, min_slope);
+        let hit_tolerance = if ctx.config.refined_grazing {
+            let grazes = f32x8::splat(GRAZING_SLOPE).simd_lt(slope);
+            let grazing_tolerance = (hit_tolerance * f32x8::splat(GRAZING_TOLERANCE)).fast_max(rounding * extent);
+            Real::select(Mask8(grazes), grazing_tolerance, hit_tolerance)
+        } else {
+            hit_tolerance
+        };
+        let is_close = distance.simd_lt(hit_tolerance);
+        let hit = is_close & distance.simd_lt(last_distance) & !disjoint;
+        let new_radius = distance.fast_max(hit_tolerance);
+        let relaxed_stride =
+            new_radius * (f32x8::splat(ctx.config.relaxation) / (f32x8::ONE - slope)).fast_max(f32x8::ONE);
+        let distance_if_close = Real::select(Mask8(is_close), distance, f32x8::splat(f32::INFINITY));
+        let if_disjoint = |then: f32x8, otherwise: f32x8| Real::select(Mask8(disjoint), then, otherwise);
+        let advance = if_disjoint(radius - stride, relaxed_stride);
+        (last_distance, stride, radius) = (
+            if_disjoint(last_distance, distance_if_close),
+            if_disjoint(radius, relaxed_stride),
+            if_disjoint(radius, new_radius),
+        );
+        t = Real::select(Mask8(hit), t, t + advance);
+        // The ray ends beyond the last unbounding sphere: evaluate the field at the end of that sphere first.
+        let overshoots = limit.simd_lt(t) & !hit;
+        let retreated = t + radius - stride;
+        t = Real::select(Mask8(overshoots), retreated, t);
+        stride = Real::select(Mask8(overshoots), radius, stride);
+        let steps = steps + f32x8::ONE;
+        let past_end = limit.simd_lt(t);
+        let stops = steps.simd_ge(f32x8::splat(MAX_STEPS as f32));
+        let stops_near = stops & distance.simd_lt(f32x8::splat(0.01) * (path_length + t));
+        let was_hit = ((hit | stops_near) & !past_end).to_bitmask();
+        let mut ended = (hit | past_end | stops).to_bitmask() & busy;
+        lanes = Lanes { t, steps, last_distance, radius, stride, ..lanes };
+        if ended == 0 {
+            continue;
+        }
+        let (t, steps, steepest) = (t.to_array(), steps.to_array(), evaluated[2].to_array());
+        while ended != 0 {
+            let lane = ended.trailing_zeros() as usize;
+            ended &= ended - 1;
+            let ray = lane_ray[lane];
+            if STATS {
+                stats[ray] = MarchStats { evaluations: steps[lane] as u32, steepest: steepest[lane] };
             }
+            if was_hit >> lane & 1 == 1 {
+                hits[ray] = Some(Hit { t: t[lane], analytic: None, triangle: None });
+            }
+            refill(lane, &mut lanes, &mut lane_ray, &mut busy);
         }
     }
     hits

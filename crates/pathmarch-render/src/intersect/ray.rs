@@ -7,6 +7,7 @@ use wide::f32x8;
 
 /// Ray in world space.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Ray {
     pub(crate) origin: Vec3,
     /// Unit vector.
@@ -15,6 +16,7 @@ pub(crate) struct Ray {
 
 /// Ray with a limited length.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct RaySegment {
     pub(crate) ray: Ray,
     /// Length of the path before the ray, metres.
@@ -24,6 +26,13 @@ pub(crate) struct RaySegment {
 }
 
 impl RaySegment {
+    /// All of its numbers, in their order in memory.
+    #[inline(always)]
+    fn row(&self) -> f32x8 {
+        let &Self { ray: Ray { origin: o, direction: d }, path_length, limit } = self;
+        f32x8::from([o.x, o.y, o.z, d.x, d.y, d.z, path_length, limit])
+    }
+
     /// A ray that starts at the camera begins its path.
     pub(crate) fn kind(&self) -> RayKind {
         if self.path_length == 0.0 { RayKind::Camera } else { RayKind::Secondary }
@@ -66,20 +75,15 @@ impl Rays8 {
     /// Packs one to eight rays.
     #[inline]
     pub(crate) fn new<'a>(rays: impl Iterator<Item = &'a RaySegment>) -> Self {
-        let mut components = [[0.0; 8]; 7];
+        let mut rows = [f32x8::ZERO; 8];
         let mut count = 0;
-        for RaySegment { ray: Ray { origin, direction }, limit, .. } in rays {
-            let values = [origin.x, origin.y, origin.z, direction.x, direction.y, direction.z, *limit];
-            for (component, value) in components.iter_mut().zip(values) {
-                component[count] = value;
-            }
+        for (row, segment) in rows.iter_mut().zip(rays) {
+            *row = segment.row();
             count += 1;
         }
-        for component in &mut components {
-            let first = component[0];
-            component[count..].fill(first);
-        }
-        let [ox, oy, oz, dx, dy, dz, limit] = components.map(f32x8::from);
+        let first = rows[0];
+        rows[count..].fill(first);
+        let [ox, oy, oz, dx, dy, dz, _, limit] = f32x8::transpose(rows);
         Self { origin: FieldVec3::new(ox, oy, oz), direction: FieldVec3::new(dx, dy, dz), limit }
     }
 }
