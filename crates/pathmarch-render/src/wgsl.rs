@@ -1,5 +1,6 @@
 //! Constants and structures that Rust and WGSL share. Rust declares them and prints them for the kernels.
 
+use pathmarch_scene::materials::BsdfParameters;
 use std::fmt::Write;
 
 /// Type of a field of a shared structure.
@@ -28,7 +29,7 @@ impl FieldType for [f32; 3] {
     const WGSL: &'static str = "vec3f";
 }
 
-impl FieldType for pathmarch_scene::materials::BsdfParameters {
+impl FieldType for BsdfParameters {
     const WGSL: &'static str = "array<vec4f, 8>";
 }
 
@@ -104,28 +105,50 @@ pub(crate) fn declaration<S: SharedStruct>() -> String {
 
 /// Value of a shared structure as an expression in WGSL; `None` if a number is not finite.
 pub(crate) fn value<S: SharedStruct + bytemuck::Pod>(record: &S) -> Option<String> {
+    let arguments: Vec<String> = field_values(record)?.iter().map(FieldValue::wgsl).collect();
+    Some(format!("{}({})", S::NAME, arguments.join(", ")))
+}
+
+/// Value of a field of a shared structure.
+pub(crate) struct FieldValue {
+    /// Type in WGSL.
+    pub(crate) kind: &'static str,
+    /// Expressions of the vectors of an array, or the components of a scalar or vector.
+    pub(crate) parts: Vec<String>,
+}
+
+impl FieldValue {
+    /// Expression in WGSL.
+    pub(crate) fn wgsl(&self) -> String {
+        format!("{}({})", self.kind, self.parts.join(", "))
+    }
+}
+
+/// Values of the fields of a shared structure; `None` if a number is not finite.
+pub(crate) fn field_values<S: SharedStruct + bytemuck::Pod>(record: &S) -> Option<Vec<FieldValue>> {
     let words: &[u32] = bytemuck::cast_slice(bytemuck::bytes_of(record));
-    let mut arguments = Vec::new();
-    for field in S::fields().into_iter().filter(|field| field.name != "padding") {
+    let value = |Field { kind, offset, .. }: Field| {
         let float = |k: usize| {
-            let number = f32::from_bits(words[field.offset / 4 + k]);
+            let number = f32::from_bits(words[offset / 4 + k]);
             number.is_finite().then(|| number.wgsl())
         };
-        let integer = |k: usize| Some(words[field.offset / 4 + k].wgsl());
-        let components = |count: usize, component: &dyn Fn(usize) -> Option<String>| {
-            (0..count).map(component).collect::<Option<Vec<_>>>().map(|numbers| numbers.join(", "))
+        let integer = |k: usize| Some(words[offset / 4 + k].wgsl());
+        let vector = |k: usize| {
+            let numbers: Option<Vec<_>> = (4 * k..4 * k + 4).map(float).collect();
+            Some(format!("vec4f({})", numbers?.join(", ")))
         };
-        let numbers = match field.kind {
-            "f32" => components(1, &float),
-            "u32" => components(1, &integer),
-            "vec2u" => components(2, &integer),
-            "vec4u" => components(4, &integer),
-            "vec3f" => components(3, &float),
+        let parts: Option<Vec<String>> = match kind {
+            "f32" => (0..1).map(float).collect(),
+            "u32" => (0..1).map(integer).collect(),
+            "vec2u" => (0..2).map(integer).collect(),
+            "vec4u" => (0..4).map(integer).collect(),
+            "vec3f" => (0..3).map(float).collect(),
+            <BsdfParameters as FieldType>::WGSL => (0..size_of::<BsdfParameters>() / 16).map(vector).collect(),
             kind => unreachable!("{kind} is not written as a value"),
         };
-        arguments.push(format!("{}({})", field.kind, numbers?));
-    }
-    Some(format!("{}({})", S::NAME, arguments.join(", ")))
+        Some(FieldValue { kind, parts: parts? })
+    };
+    S::fields().into_iter().filter(|field| field.name != "padding").map(value).collect()
 }
 
 /// Declares constants, and a function `shared_wgsl()` that prints them in WGSL.

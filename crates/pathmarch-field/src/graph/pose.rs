@@ -56,6 +56,14 @@ impl Pose {
         self.axes.map(|axis| axis.map(|v| v / self.scale))
     }
 
+    /// Axis of the world along which each local axis points, and 1 or -1 where it points the other way; `None` if one of
+    /// them lies between the axes of the world.
+    pub(crate) fn signed_axes(&self) -> Option<[(usize, f32); 3]> {
+        let is_along = |axis: [f32; 3], k: usize| (0..3).all(|other| axis[other].abs() == f32::from(other == k));
+        let [x, y, z] = self.axes.map(|axis| (0..3).find(|&k| is_along(axis, k)).map(|k| (k, axis[k])));
+        Some([x?, y?, z?])
+    }
+
     #[inline]
     pub(super) fn local<N: Real>(&self, p: Vec3<N>) -> Vec3<N> {
         let offset = if self.moved { p - Vec3::constant(self.at) } else { p };
@@ -160,12 +168,33 @@ impl Frame {
 
     pub(super) fn pose(self) -> Pose {
         let axes = Mat3::from_quat(self.turn);
-        Pose {
-            moved: self.moved,
-            turn: self.kind,
-            at: self.at.into(),
-            scale: self.scale,
-            axes: [axes.x_axis.into(), axes.y_axis.into(), axes.z_axis.into()],
+        let axes = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| on_world_axis(axis).into());
+        Pose { moved: self.moved, turn: self.kind, at: self.at.into(), scale: self.scale, axes }
+    }
+}
+
+/// The nearest axis of the world, in either direction, if a unit vector differs from it by rounding alone.
+fn on_world_axis(axis: glam::Vec3) -> glam::Vec3 {
+    const ROUNDING: f32 = 4.0 * f32::EPSILON;
+    let rounded = axis.round();
+    if (axis - rounded).abs().max_element() <= ROUNDING { rounded } else { axis }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn right_angles_are_along_the_axes_of_the_world_and_small_ones_are_not() {
+        let axes = |rotate: Option<[f32; 3]>, normal: Option<[f32; 3]>| {
+            Placement { rotate, normal, scale: Some(1.5), at: None }.pose().signed_axes()
+        };
+        let turned = |x, y, z| axes(Some([x, y, z]), None);
+        assert_eq!(turned(0.0, 90.0, 0.0), Some([(2, -1.0), (1, 1.0), (0, 1.0)]));
+        assert_eq!(turned(90.0, 0.0, 180.0), Some([(0, -1.0), (2, 1.0), (1, 1.0)]));
+        assert_eq!(axes(None, Some([-2.0, 0.0, 0.0])).map(|axes| axes[1]), Some((0, -1.0)));
+        for small in [5e-4, 5e-3, 1.0, 45.0] {
+            assert_eq!(turned(0.0, small, 0.0), None, "{small}");
         }
     }
 }

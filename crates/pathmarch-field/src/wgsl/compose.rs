@@ -103,11 +103,18 @@ pub struct ProgramOptions<'a> {
     pub has_triangle_distances: bool,
     /// True to declare `choice` in the code of fields that blend; false for kernels that declare their own.
     pub declares_choice: bool,
+    /// True if the kernel contains the parameters, so that the code may depend on their values.
+    pub has_constant_numbers: bool,
 }
 
 impl Default for ProgramOptions<'_> {
     fn default() -> Self {
-        Self { sphere_traced_distance: "sphere_traced_distance", has_triangle_distances: true, declares_choice: true }
+        Self {
+            sphere_traced_distance: "sphere_traced_distance",
+            has_triangle_distances: true,
+            declares_choice: true,
+            has_constant_numbers: false,
+        }
     }
 }
 
@@ -134,7 +141,8 @@ impl Program {
 
     /// Composes the program of a field.
     pub fn with_options(field: &Field, options: ProgramOptions) -> Self {
-        let Composed { mut composer, functions, has_choice } = Composed::new(field, options.has_triangle_distances);
+        let Composed { mut composer, functions, has_choice } =
+            Composed::new(field, options.has_triangle_distances, options.has_constant_numbers);
         let mut code_of_distances = BTreeSet::new();
         for tree in field.single_objects() {
             composer.distances(tree, &mut code_of_distances);
@@ -173,7 +181,7 @@ impl Program {
     /// WGSL text of functions `NAME(p: vec3f, ignored_leaf: u32) -> f32`, to be appended to [`code`](Self::code): each is
     /// [`Field::distance_to`] the objects of one set, which has an entry for each object.
     pub fn distances_to(field: &Field, named: &[(&str, &[bool])]) -> String {
-        let Composed { composer, functions, .. } = Composed::new(field, true);
+        let Composed { composer, functions, .. } = Composed::new(field, true, false);
         let mut of_distances = BTreeSet::new();
         let mut text = String::new();
         for (bit, (name, included)) in named.iter().enumerate() {
@@ -203,7 +211,7 @@ struct Composed<'a> {
 }
 
 impl<'a> Composed<'a> {
-    fn new(field: &'a Field, has_all_grids: bool) -> Self {
+    fn new(field: &'a Field, has_all_grids: bool, has_constant_numbers: bool) -> Self {
         let mut composer = Composer {
             field,
             parameters: Vec::new(),
@@ -215,6 +223,7 @@ impl<'a> Composed<'a> {
             bvh_records: Vec::new(),
             meshes: Arc::default(),
             has_all_grids,
+            has_constant_numbers,
         };
         let mut functions = BTreeSet::new();
         let mut printed = BTreeSet::new();
@@ -271,6 +280,8 @@ struct Composer<'a> {
     meshes: Arc<MeshWords>,
     /// Triangles have distances.
     has_all_grids: bool,
+    /// The code may depend on the values of the parameters.
+    has_constant_numbers: bool,
 }
 
 fn profile(smooth: Option<Blend>) -> Option<BlendProfile> {

@@ -22,7 +22,7 @@ fn transmittance_in(medium: Medium, length: f32) -> vec3f {
 
 /// Medium beyond the surface of a leaf that a path crosses.
 fn medium_after(medium: Medium, leaf: u32, inside: bool) -> Medium {
-    return medium_beyond(medium, materials[leaves[leaf].material].absorption, inside);
+    return medium_beyond(medium, material_at(leaf_at(leaf).material).absorption, inside);
 }
 
 /// The second medium if the condition is true, else the first.

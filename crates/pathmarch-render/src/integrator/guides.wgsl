@@ -99,7 +99,7 @@ fn light_of_media(radiance: vec3f) -> vec4f {
 
 /// Records that a path of this radiance has reached a surface that scatters light, unless it is a mirror or glass.
 fn record_scattering(m: u32, surface_index: u32, radiance: vec3f) {
-    let is_delta = (materials[m].flags & DELTA) != 0u && surface_index < MAX_DELTA_SURFACES;
+    let is_delta = (material_at(m).flags & DELTA) != 0u && surface_index < MAX_DELTA_SURFACES;
     if waits_for_indirect && !is_delta {
         waits_for_indirect = false;
         has_indirect = surface_index <= frame.bounces;
@@ -118,7 +118,7 @@ fn record_guide(
     if guide_state == GUIDE_DONE {
         return;
     }
-    let flags = materials[leaves[interaction.leaf].material].flags;
+    let flags = material_at(leaf_at(interaction.leaf).material).flags;
     let is_delta = (flags & DELTA) != 0u && surface_index < MAX_DELTA_SURFACES;
     let is_glass = is_delta && (flags & TRANSMITS) != 0u;
     if guide_state == GUIDE_BEHIND_GLASS {
@@ -148,7 +148,7 @@ fn record_guide(
     guide.seen_normal = guide.normal;
     guide.guide_class = select(select(GUIDE_SURFACE, GUIDE_GLASS, is_glass), GUIDE_EMITTER, (flags & EMITS) != 0u);
     // Nothing is smooth on a fractal at half the resolution.
-    let is_fractal = (leaves[interaction.leaf].flags & FRACTAL) != 0u;
+    let is_fractal = (leaf_at(interaction.leaf).flags & FRACTAL) != 0u;
     waits_for_indirect = guide.guide_class == GUIDE_SURFACE && !is_fractal;
     guide.albedo = select(throughput * colour, vec3f(1.0), is_glass);
     guide.object = interaction.leaf;
@@ -156,8 +156,8 @@ fn record_guide(
     guide.leaf = select(NO_LEAF, interaction.leaf, surface_index == 0u);
     guide.is_glossy = is_glass || (flags & GLOSSY) != 0u;
     if guide.guide_class == GUIDE_SURFACE && guide.is_glossy && guide.alpha == 0.0 {
-        let m = leaves[interaction.leaf].material;
-        let facets = bsdf_facets(materials[m].kind, m);
+        let m = leaf_at(interaction.leaf).material;
+        let facets = bsdf_facets(material_at(m).kind, m);
         guide.alpha = select(0.0, facets.x, facets.x <= select(MAX_FACET_ALPHA, MAX_FACET_ALPHA_OF_FRACTALS, is_fractal));
         guide.has_coloured_facets = facets.y > 0.0;
         begin_facets(length);

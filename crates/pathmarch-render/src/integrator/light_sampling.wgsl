@@ -214,11 +214,11 @@ fn sun_radiance(direction: vec3f, scatter_pdf: f32) -> vec3f {
         return radiance;
     }
     for (var k = 0u; k < frame.sun_count; k++) {
-        let x = lights[k].radius;
-        let offset = direction - lights[k].position;
+        let x = light_at(k).radius;
+        let offset = direction - light_at(k).position;
         if 0.5 * dot(offset, offset) < x {
-            let weight = hit_weight(scatter_pdf, lights[k].pmf / (6.2831853 * x));
-            radiance += lights[k].emission * (weight / (3.14159265 * x * (2.0 - x)));
+            let weight = hit_weight(scatter_pdf, light_at(k).pmf / (6.2831853 * x));
+            radiance += light_at(k).emission * (weight / (3.14159265 * x * (2.0 - x)));
         }
     }
     return radiance;

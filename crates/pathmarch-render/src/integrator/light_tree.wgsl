@@ -32,8 +32,8 @@ fn next_step(walk: Walk, count_a: u32, share_a: f32) -> Walk {
 fn chosen_from_table(choice: f32) -> u32 {
     let cell = (choice - frame.tree_share) / (1.0 - frame.tree_share) * f32(frame.table_lights);
     let index = min(u32(cell), frame.table_lights - 1u);
-    if cell - f32(index) >= lights[index].threshold {
-        return lights[index].alias_light;
+    if cell - f32(index) >= light_at(index).threshold {
+        return light_at(index).alias_light;
     }
     return index;
 }
@@ -42,7 +42,7 @@ fn chosen_from_table(choice: f32) -> u32 {
 /// surface that is lit on this side only, or zero. The light has no emission if none contributes.
 fn chosen_light(p: vec3f, normal: vec3f, choice: f32) -> Light {
     if choice >= frame.tree_share {
-        return lights[chosen_from_table(choice)];
+        return light_at(chosen_from_table(choice));
     }
     var walk = first_step(choice);
     while walk.count > 1u {
@@ -61,7 +61,7 @@ fn chosen_light(p: vec3f, normal: vec3f, choice: f32) -> Light {
 fn chosen_light_along(ray: Ray, length: f32, choice: f32) -> LightAlong {
     if choice >= frame.tree_share {
         let index = chosen_from_table(choice);
-        return LightAlong(lights[index], index);
+        return LightAlong(light_at(index), index);
     }
     var walk = first_step(choice);
     while walk.count > 1u {
@@ -76,7 +76,7 @@ fn chosen_light_along(ray: Ray, length: f32, choice: f32) -> LightAlong {
 /// Light with the probability that it is chosen for a point.
 fn light_from(index: u32, p: vec3f, normal: vec3f) -> Light {
     if index < frame.table_lights {
-        return lights[index];
+        return light_at(index);
     }
     var probability = frame.tree_share;
     var node = 0u;
@@ -106,7 +106,7 @@ fn light_from(index: u32, p: vec3f, normal: vec3f) -> Light {
 
 /// Light with this probability.
 fn light_with(index: u32, probability: f32) -> Light {
-    var light = lights[index];
+    var light = light_at(index);
     light.pmf = probability;
     light.inverse_pmf = select(0.0, 1.0 / probability, probability > 0.0);
     return light;

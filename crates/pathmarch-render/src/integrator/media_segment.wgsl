@@ -60,7 +60,7 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
         }
         let hit_point = ray.origin + ray.direction * hit.t;
         let surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, surface_index));
-        let is_boundary = (materials[leaves[surface_at_hit.leaf].material].flags & BOUNDARY) != 0u;
+        let is_boundary = (material_at(leaf_at(surface_at_hit.leaf).material).flags & BOUNDARY) != 0u;
         if !is_boundary && !(NESTED_DIELECTRICS && is_skipped((*path).medium, surface_at_hit.leaf)) {
             return arrive(path, hit);
         }
@@ -119,12 +119,12 @@ fn record_surface_behind(path: ptr<function, Path>, first_hit: Hit) {
         let hit_point = ray.origin + ray.direction * hit.t;
         let surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, (*path).surfaces));
         let interaction = resolve_surface(hit_point, ray.direction, hit, surface_at_hit);
-        let m = leaves[interaction.leaf].material;
-        let is_boundary = (materials[m].flags & BOUNDARY) != 0u;
+        let m = leaf_at(interaction.leaf).material;
+        let is_boundary = (material_at(m).flags & BOUNDARY) != 0u;
         length += hit.t;
         if !is_boundary && !is_skipped(medium, interaction.leaf) {
-            var colour = materials[m].emission;
-            if (materials[m].flags & EMITS) == 0u {
+            var colour = material_at(m).emission;
+            if (material_at(m).flags & EMITS) == 0u {
                 evaluate_textures(m, interaction, length);
                 colour = packed(m, 0u).xyz;
             }

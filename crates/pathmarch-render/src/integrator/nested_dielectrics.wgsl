@@ -68,7 +68,7 @@ fn index_within(solids: Solids, offset: f32) -> f32 {
 fn with_filling(sum: Medium, entry: u32, key: u32, rank: u32) -> Medium {
     let own = key >> 24u;
     if entry > 0u && (own == rank || own == BOUNDARY_RANK) {
-        return sum_of_media(sum, stored_medium(leaves[entry - 1u].material + 1u));
+        return sum_of_media(sum, stored_medium(leaf_at(entry - 1u).material + 1u));
     }
     return sum;
 }

@@ -22,7 +22,7 @@ fn own_index(leaf: u32, offset: f32) -> f32 {
 
 /// Refractive index of glass at its surface.
 fn relative_index(medium: Medium, leaf: u32, offset: f32) -> f32 {
-    return materials[leaves[leaf].material].parameters[1].x;
+    return material_parameter(leaf_at(leaf).material, 1u).x;
 }
 
 /// Never called: materials have the flag DISPERSES.

@@ -83,7 +83,7 @@ fn medium_after(medium: Medium, leaf: u32, inside: bool) -> Medium {
     if NESTED_DIELECTRICS {
         return medium_across(medium, leaf, inside);
     }
-    let solid = stored_medium(leaves[leaf].material + 1u);
+    let solid = stored_medium(leaf_at(leaf).material + 1u);
     if THIN_GLASS && solid.solids == 0u {
         return medium;
     }

@@ -15,8 +15,8 @@ fn disperse(path: ptr<function, Path>, random: f32) {
 /// Makes the BSDF of a leaf refract by the index relative to what is around the path. Chooses the wavelength with a random
 /// number if the index depends on it.
 fn refract_at(path: ptr<function, Path>, leaf: u32, random: f32) {
-    let m = leaves[leaf].material;
-    if (materials[m].flags & TRANSMITS) == 0u {
+    let m = leaf_at(leaf).material;
+    if (material_at(m).flags & TRANSMITS) == 0u {
         surface_index = own_index(leaf, 0.0);
         return;
     }
@@ -47,8 +47,8 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     let surface_index = (*path).surfaces;
     let incoming = (*path).ray.direction;
     let interaction = resolve_surface((*path).ray.origin, incoming, (*path).hit, (*path).surface_at_hit);
-    let m = leaves[interaction.leaf].material;
-    let flags = materials[m].flags;
+    let m = leaf_at(interaction.leaf).material;
+    let flags = material_at(m).flags;
     record_scattering(m, surface_index, (*path).radiance);
     evaluate_textures(m, interaction, (*path).length);
     if HAS_GLOW && (flags & GLOWS) != 0u {
@@ -91,7 +91,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
             let is_transmission = wi.z < 0.0;
             let crosses_surface = SHADING_NORMALS && is_transmission != (dot(light.direction, interaction.normal) < 0.0);
             if (wi.z > 0.0 || transmits) && !crosses_surface && !counted && largest(light.irradiance) > 0.0 {
-                let evaluated = bsdf_eval(materials[m].kind, m, wo, wi, interaction.inside);
+                let evaluated = bsdf_eval(material_at(m).kind, m, wo, wi, interaction.inside);
                 if largest(evaluated.xyz) > 0.0 {
                     let attenuation = light_transmittance(
                         Ray(spawn_origin(interaction, is_transmission), light.direction),
@@ -121,7 +121,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     if CHOOSES_LOBES {
         u.z = sample_2d((*path).sampler, pair + PAIR_LOBE).x;
     }
-    let scattered = bsdf_sample(materials[m].kind, m, wo, interaction.inside, u);
+    let scattered = bsdf_sample(material_at(m).kind, m, wo, interaction.inside, u);
     if scattered.pdf < 0.0 {
         return false;
     }

@@ -44,7 +44,7 @@ fn place_in_group(pixel: vec2u, slope: u32, index: u32) -> u32 {
 
 /// True if the camera hit of a path is on an opaque surface that is no mirror, and not seen through a medium.
 fn shares(path: Path) -> bool {
-    let flags = materials[leaves[path.surface_at_hit.leaf].material].flags;
+    let flags = material_at(leaf_at(path.surface_at_hit.leaf).material).flags;
     return (flags & (DELTA | TRANSMITS)) == 0u && (!ABSORPTION || all(absorption_of(path.medium) == vec3f(0.0)));
 }
 
@@ -73,7 +73,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
     }
     let interaction =
         resolve_surface(first_path.ray.origin, first_path.ray.direction, first_path.hit, first_path.surface_at_hit);
-    let material = leaves[interaction.leaf].material;
+    let material = leaf_at(interaction.leaf).material;
     if is_shared {
         evaluate_textures(material, interaction, first_path.length);
     }
@@ -99,7 +99,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
             let cosine = -dot(direction, second.normal);
             var connection = vec4f(0.0);
             if is_shared && square > 0.0 && wi.z > 0.0 && cosine > 0.0 {
-                connection = bsdf_eval(materials[material].kind, material, wo, wi, interaction.inside) * (cosine / square);
+                connection = bsdf_eval(material_at(material).kind, material, wo, wi, interaction.inside) * (cosine / square);
             }
             if connection.w > 0.0 && index != own_index {
                 let segment = second.p + second.normal * second.offset - origin;
@@ -143,7 +143,7 @@ fn trace_paths(first_path: Path, is_shared: bool, first_second_surface: u32) -> 
     loop {
         let goes_on = path_scatter(&path) && path_intersect(&path);
         if goes_on {
-            let flags = materials[leaves[path.surface_at_hit.leaf].material].flags;
+            let flags = material_at(leaf_at(path.surface_at_hit.leaf).material).flags;
             if is_shared && path.surfaces == 1u && (flags & (LAMBERTIAN | GLOWS)) == LAMBERTIAN {
                 let interaction = resolve_surface(path.ray.origin, path.ray.direction, path.hit, path.surface_at_hit);
                 second = SecondSurface(interaction.p, interaction.offset, interaction.normal, vec3f(0.0));

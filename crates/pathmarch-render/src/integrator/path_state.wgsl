@@ -56,12 +56,12 @@ fn path_from(camera: Ray, sampler: PixelSampler) -> Path {
 
 /// Adds light that the surface at an interaction of a path emits.
 fn add_emission(path: ptr<function, Path>, interaction: SurfaceInteraction, emission: vec3f) {
-    let leaf = leaves[interaction.leaf];
+    let leaf = leaf_at(interaction.leaf);
     let light = leaf.flags >> LIGHT_SHIFT;
     // Shadow rays or photons have already contributed it.
     var counted = (FAST_CAUSTICS || TRACED_CAUSTICS) && (*path).lights_are_counted && light > 0u;
     if TRACED_CAUSTICS && counted {
-        counted = starts_light_paths(lights[light - 1u]);
+        counted = starts_light_paths(light_at(light - 1u));
     }
     if !emits_towards(interaction.leaf, interaction.normal) || counted {
         return;
@@ -102,13 +102,13 @@ fn arrive(path: ptr<function, Path>, hit: Hit) -> bool {
     (*path).ray.origin = hit_point;
     (*path).hit = hit;
     (*path).surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, (*path).surfaces));
-    let leaf = leaves[(*path).surface_at_hit.leaf];
+    let leaf = leaf_at((*path).surface_at_hit.leaf);
     let m = leaf.material;
-    if HAS_EMITTERS && (materials[m].flags & EMITS) != 0u {
+    if HAS_EMITTERS && (material_at(m).flags & EMITS) != 0u {
         let interaction = resolve_surface(hit_point, ray.direction, hit, (*path).surface_at_hit);
-        record_guide(interaction, (*path).throughput, (*path).length, (*path).surfaces, materials[m].emission);
-        add_emission(path, interaction, materials[m].emission);
+        record_guide(interaction, (*path).throughput, (*path).length, (*path).surfaces, material_at(m).emission);
+        add_emission(path, interaction, material_at(m).emission);
         return false;
     }
-    return (*path).surfaces <= frame.bounces || (HAS_GLOW && (materials[m].flags & GLOWS) != 0u);
+    return (*path).surfaces <= frame.bounces || (HAS_GLOW && (material_at(m).flags & GLOWS) != 0u);
 }

@@ -7,7 +7,7 @@ fn starts_light_paths(light: Light) -> bool {
         return false;
     }
     let is_object = light.kind != POINT && light.kind != SPOT && light.kind != SUN;
-    return !(is_object && (leaves[light.leaf].flags & IN_GLASS) != 0u);
+    return !(is_object && (leaf_at(light.leaf).flags & IN_GLASS) != 0u);
 }
 
 fn decoded_direction(code: f32, codes: f32) -> vec3f {
@@ -103,7 +103,7 @@ fn photon_radiance(
                 let crosses_surface = SHADING_NORMALS && (wi.z < 0.0) != (cosine < 0.0);
                 if (wi.z > 0.0 || transmits) && !crosses_surface {
                     let kernel = 2.0 * (1.0 - max(share, 0.0)) / (3.14159265 * photon_reach * photon_reach);
-                    let evaluated = bsdf_eval(materials[m].kind, m, wo, wi, interaction.inside);
+                    let evaluated = bsdf_eval(material_at(m).kind, m, wo, wi, interaction.inside);
                     part += evaluated.xyz * carried.xyz * (kernel / max(abs(cosine), LEAST_INCIDENCE));
                 }
             }

@@ -33,7 +33,7 @@ fn begin_facets(length: f32) {
 /// Records the light that a light sample contributed from a direction.
 fn record_light_sample(m: u32, wo: vec3f, wi: vec3f, inside: bool, distance: f32, light: vec3f) {
     if facets_state == FACETS_SAMPLE {
-        facets_sampled = light * bsdf_facet_share(materials[m].kind, m, wo, wi, inside);
+        facets_sampled = light * bsdf_facet_share(material_at(m).kind, m, wo, wi, inside);
         facets_sampled_distance = distance;
     }
 }
@@ -41,7 +41,7 @@ fn record_light_sample(m: u32, wo: vec3f, wi: vec3f, inside: bool, distance: f32
 /// Records the direction in which a path of this radiance goes on.
 fn record_next_ray(m: u32, wo: vec3f, wi: vec3f, inside: bool, radiance: vec3f) {
     if facets_state == FACETS_SAMPLE {
-        facets_share = bsdf_facet_share(materials[m].kind, m, wo, wi, inside);
+        facets_share = bsdf_facet_share(material_at(m).kind, m, wo, wi, inside);
         facets_before = radiance;
         facets_state = FACETS_ARRIVE;
     }

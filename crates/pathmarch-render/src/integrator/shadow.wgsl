@@ -24,28 +24,28 @@ fn light_transmittance(first_ray: Ray, path_length: f32, light: LightSample, sca
             return vec3f(0.0);
         }
         let occluder = surface_interaction(ray, hit, seed);
-        let leaf = leaves[occluder.leaf];
+        let leaf = leaf_at(occluder.leaf);
         if HAS_BOUNDED && occluder.leaf == light.target_leaf {
             // From inside glass, only BSDF sampling contributes the light.
             let from_glass = TRANSMISSION && (leaf.flags & IN_GLASS) != 0u && occluder.inside;
             return select(vec3f(0.0), attenuation * weight, emits_towards(occluder.leaf, -ray.direction) && !from_glass);
         }
         let m = leaf.material;
-        let is_boundary = HAS_BOUNDARIES && (materials[m].flags & BOUNDARY) != 0u;
+        let is_boundary = HAS_BOUNDARIES && (material_at(m).flags & BOUNDARY) != 0u;
         if is_boundary || (NESTED_DIELECTRICS && is_skipped(medium, occluder.leaf)) {
             medium = medium_after(medium, occluder.leaf, occluder.inside);
             ray.origin = spawn_origin(occluder, true);
             limit -= hit.t;
             continue;
         }
-        if !FAST_CAUSTICS || (materials[m].flags & (DELTA | TRANSMITS)) != (DELTA | TRANSMITS) {
+        if !FAST_CAUSTICS || (material_at(m).flags & (DELTA | TRANSMITS)) != (DELTA | TRANSMITS) {
             return vec3f(0.0);
         }
         let cosine = min(abs(dot(occluder.normal, ray.direction)), 1.0);
         let colour = glass_colour(m, occluder, path_length);
         let index = relative_index(medium, occluder.leaf, 0.0);
         var reflected = fresnel(cosine, select(index, max(index, 1.0 / index), NESTED_DIELECTRICS));
-        if THIN_GLASS && materials[m].parameters[7].w > 0.0 {
+        if THIN_GLASS && material_parameter(m, 7u).w > 0.0 {
             reflected = sheet_reflection(reflected);
         }
         attenuation *= colour * (1.0 - reflected);

@@ -87,9 +87,9 @@ fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
         } else {
             path_length += hit.t;
             let interaction = surface_interaction(ray, hit, unstratified_seed(sampler, 0u));
-            let m = leaves[interaction.leaf].material;
-            if (materials[m].flags & EMITS) != 0u {
-                radiance += select(vec3f(0.0), weight * materials[m].emission, emits_towards(interaction.leaf, interaction.normal));
+            let m = leaf_at(interaction.leaf).material;
+            if (material_at(m).flags & EMITS) != 0u {
+                radiance += select(vec3f(0.0), weight * material_at(m).emission, emits_towards(interaction.leaf, interaction.normal));
             } else {
                 var n = interaction.normal;
                 var material = preview_material(m);
@@ -97,7 +97,7 @@ fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
                     evaluate_textures(m, interaction, path_length);
                     material = textured_preview(material);
                 }
-                if HAS_GLOW && (materials[m].flags & GLOWS) != 0u && emits_towards(interaction.leaf, interaction.normal) {
+                if HAS_GLOW && (material_at(m).flags & GLOWS) != 0u && emits_towards(interaction.leaf, interaction.normal) {
                     radiance += weight * emission_at(m);
                 }
                 n = shading_normal(interaction, -ray.direction);
@@ -151,7 +151,7 @@ fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
                         let transmitted_weight = weight * material.transmitted * (vec3f(1.0) - reflectance);
                         radiance += transmitted_weight * ambient_radiance(refracted) * (1.0 - sharp_share);
                         weight = transmitted_weight * sharp_share;
-                        medium = medium_beyond(medium, materials[m].absorption, interaction.inside);
+                        medium = medium_beyond(medium, material_at(m).absorption, interaction.inside);
                         ray = Ray(spawn_origin(interaction, true), normalize(refracted));
                     }
                     continues = true;
@@ -251,7 +251,7 @@ fn direct_light(interaction: SurfaceInteraction, view: vec3f, path_length: f32, 
 
 /// Light `k` of the preview.
 fn preview_light(k: u32) -> Light {
-    return lights[scene_data[MODE_DATA + FIRST_LIGHT + 2u * k]];
+    return light_at(scene_data[MODE_DATA + FIRST_LIGHT + 2u * k]);
 }
 
 /// Radius of the sphere that approximates light `k` of the preview, metres.

@@ -34,13 +34,13 @@ fn surface_interaction(ray: Ray, hit: Hit, seed: u32) -> SurfaceInteraction {
 fn resolve_surface(hit_point: vec3f, direction: vec3f, hit: Hit, surface_at_hit: Surface) -> SurfaceInteraction {
     let gradient_length = max(length(surface_at_hit.gradient), 1e-6);
     let outward = surface_at_hit.gradient / gradient_length;
-    let rounding = rounding_at(hit_point, leaves[surface_at_hit.leaf].origin);
+    let rounding = rounding_at(hit_point, leaf_at(surface_at_hit.leaf).origin);
     // Within rounding of the surface, the direction of the ray decides the side; elsewhere the sign of the field does.
     let on_surface = hit.analytic || abs(surface_at_hit.distance) <= rounding + frame.rounding * hit.t;
     let inside = select((surface_at_hit.distance < 0.0), (dot(outward, direction) > 0.0), on_surface);
     let residual = surface_at_hit.distance / gradient_length;
     let normal = select(outward, -outward, inside);
-    let is_turned = (leaves[surface_at_hit.leaf].flags & TWO_SIDED) != 0u;
+    let is_turned = (leaf_at(surface_at_hit.leaf).flags & TWO_SIDED) != 0u;
     return SurfaceInteraction(
         hit_point - outward * residual,
         surface_at_hit.leaf,
@@ -64,5 +64,5 @@ fn spawn_origin(interaction: SurfaceInteraction, other_side: bool) -> vec3f {
 
 /// Reports whether a leaf emits on the side of this normal: sheets emit on one side only.
 fn emits_towards(leaf: u32, normal: vec3f) -> bool {
-    return (leaves[leaf].flags & SHEET) == 0u || dot(normal, leaves[leaf].facing) > 0.0;
+    return (leaf_at(leaf).flags & SHEET) == 0u || dot(normal, leaf_at(leaf).facing) > 0.0;
 }

@@ -10,7 +10,7 @@ fn packed(m: u32, k: u32) -> vec4f {
 
 /// Starts the evaluation of the textures of material `m`.
 fn begin_textures(m: u32) {
-    textured_parameters = materials[m].parameters;
+    textured_parameters = material_at(m).parameters;
 }
 
 /// Applies a layer with this colour and value of its texture.

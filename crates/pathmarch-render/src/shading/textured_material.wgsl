@@ -21,20 +21,20 @@ fn emission_at(m: u32) -> vec3f {
             return textured_emission;
         }
     }
-    return materials[m].emission;
+    return material_at(m).emission;
 }
 
 /// Emitted radiance of a leaf at a point of one of its triangles, in the mesh's coordinates.
 fn emission_on_mesh(leaf: u32, triangle: u32, local: vec3f) -> vec3f {
     if HAS_EMISSION_TEXTURES {
-        let material = scene_data[TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + leaves[leaf].material];
+        let material = scene_data[TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + leaf_at(leaf).material];
         if material != 0u && scene_data[material + 3u] != 0u {
             let texture = scene_data[scene_data[material + 3u]];
             begin_uvs(leaf, triangle, local);
             return uv_picture(texture, texture_picture(texture), 0.0).xyz;
         }
     }
-    return materials[leaves[leaf].material].emission;
+    return material_at(leaf_at(leaf).material).emission;
 }
 
 /// Float at an offset in the scene data.

@@ -6,12 +6,12 @@ fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) 
 
 /// Returns the emitted radiance of material `m`.
 fn emission_at(m: u32) -> vec3f {
-    return materials[m].emission;
+    return material_at(m).emission;
 }
 
 /// Returns the emitted radiance of the material of a leaf.
 fn emission_on_mesh(leaf: u32, triangle: u32, local: vec3f) -> vec3f {
-    return materials[leaves[leaf].material].emission;
+    return material_at(leaf_at(leaf).material).emission;
 }
 
 /// Returns the normal itself.

@@ -2,10 +2,10 @@
 
 /// Parameters 4k to 4k + 3 of a BSDF.
 fn packed(m: u32, k: u32) -> vec4f {
-    return materials[m].parameters[k];
+    return material_parameter(m, k);
 }
 
 /// Colour of clear glass that a shadow ray passes through.
 fn glass_colour(m: u32, interaction: SurfaceInteraction, path_length: f32) -> vec3f {
-    return materials[m].parameters[0].xyz;
+    return material_parameter(m, 0u).xyz;
 }

@@ -40,9 +40,9 @@ fn estimate(ray: Ray, sampler: PixelSampler) -> vec3f {
     }
     var colour = view_colour(interaction.leaf);
     if HAS_TEXTURES {
-        evaluate_textures(leaves[interaction.leaf].material, interaction, hit.t);
+        evaluate_textures(leaf_at(interaction.leaf).material, interaction, hit.t);
         colour = select(colour, textured_albedo.xyz, textured_albedo.w > 0.0);
     }
-    let is_dark_side = VIEW == VIEW_ALBEDO && (materials[leaves[interaction.leaf].material].flags & EMITS) != 0u && !emits_towards(interaction.leaf, interaction.normal);
+    let is_dark_side = VIEW == VIEW_ALBEDO && (material_at(leaf_at(interaction.leaf).material).flags & EMITS) != 0u && !emits_towards(interaction.leaf, interaction.normal);
     return select(colour, vec3f(0.0), is_dark_side);
 }

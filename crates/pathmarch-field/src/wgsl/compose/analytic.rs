@@ -1,7 +1,7 @@
 //! WGSL of analytic hits; `graph/analytic.rs` explains them.
 
 use super::Composer;
-use super::parameters::{component, rows};
+use super::parameters::{component, rows, swizzled};
 use crate::graph::{Tree, Turn};
 use crate::operators::Boolean;
 use std::collections::BTreeSet;
@@ -74,10 +74,14 @@ impl Composer<'_> {
         let (direction, factor) = match leaf.pose.turn {
             Turn::None => ("direction".to_owned(), String::new()),
             Turn::Scaled => ("direction".to_owned(), format!(" * {}", component(start, 3))),
-            // The stored rows are divided by the scale.
             Turn::Turned => {
                 let scale = component(start, 3);
-                (format!("direction * {} * {scale}", rows(start + 1)), format!(" * {scale}"))
+                let direction = match self.constant_axes(&leaf.pose) {
+                    Some(axes) => swizzled("direction", axes),
+                    // The stored rows are divided by the scale.
+                    None => format!("direction * {} * {scale}", rows(start + 1)),
+                };
+                (direction, format!(" * {scale}"))
             }
         };
         format!("{}_{function}({point}, {direction}{values}){factor}", leaf.shape.wgsl_name())

@@ -29,7 +29,7 @@ impl Program {
     /// chain rule; and `modifier_coordinates(modifier: u32, p: vec3f) -> Coordinates`, the coordinates of a world point in the
     /// space of this modifier's child, see [`Field::enclosing_modifier`].
     pub fn coordinates(field: &Field) -> String {
-        let Composed { composer, .. } = Composed::new(field, false);
+        let Composed { composer, .. } = Composed::new(field, false, false);
         let (mut functions, mut cases) = (String::new(), String::new());
         for tree in field.single_objects() {
             composer.coordinates(tree, "world", &mut functions, &mut cases);
@@ -44,7 +44,7 @@ impl Program {
     /// WGSL text of `has_orbit(leaf: u32) -> bool` and `orbit(leaf: u32, p: vec3f, centre: vec3f) -> array<f32, 6>`, to be appended to
     /// [`code`](Self::code): [`Field::orbit`] of a point in local coordinates.
     pub fn orbits(field: &Field) -> String {
-        let Composed { composer, .. } = Composed::new(field, false);
+        let Composed { composer, .. } = Composed::new(field, false, false);
         let mut functions = BTreeSet::new();
         let (mut has, mut cases) = (String::new(), String::new());
         for (index, leaf) in field.leaves().iter().enumerate().filter(|(_, leaf)| leaf.shape.has_orbit()) {

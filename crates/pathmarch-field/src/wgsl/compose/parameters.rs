@@ -36,10 +36,20 @@ impl Composer<'_> {
         found.map_or(String::new(), |(_, vector)| arguments(*vector, if blend.profile.has_steps() { 2 } else { 1 }))
     }
 
+    /// Signed axes of a pose that the kernel contains.
+    pub(super) fn constant_axes(&self, pose: &Pose) -> Option<[(usize, f32); 3]> {
+        (self.has_constant_numbers && pose.turn == Turn::Turned).then(|| pose.signed_axes()).flatten()
+    }
+
     /// Point `p` in local coordinates of a leaf, and the call's arguments after it.
     pub(super) fn arguments(&self, index: u32, p: &str) -> (String, String) {
         let leaf = &self.field.leaves()[index as usize];
-        let (point, next) = local(&leaf.pose, self.starts[index as usize], p);
+        let start = self.starts[index as usize];
+        let (mut point, next) = local(&leaf.pose, start, p);
+        if let Some(axes) = self.constant_axes(&leaf.pose) {
+            let offset = if leaf.pose.moved { format!("({p} - field_parameters[{start}].xyz)") } else { p.to_owned() };
+            point = format!("{} / {}", swizzled(&offset, axes), component(start, 3));
+        }
         (point, arguments(next, if leaf.shape.reads_table() { 1 } else { leaf.params.len() }))
     }
 }
@@ -47,6 +57,22 @@ impl Composer<'_> {
 /// Component `k` of a parameter vector.
 pub(super) fn component(vector: usize, k: usize) -> String {
     format!("field_parameters[{vector}].{}", ["x", "y", "z", "w"][k])
+}
+
+/// Vector of the components of `v` along these axes.
+pub(super) fn swizzled(v: &str, axes: [(usize, f32); 3]) -> String {
+    let [x, y, z] =
+        axes.map(|(axis, sign)| format!("{}{v}.{}", if sign < 0.0 { "-" } else { "" }, ["x", "y", "z"][axis]));
+    format!("vec3f({x}, {y}, {z})")
+}
+
+/// Axes and signs back from the local axes to those of the world.
+pub(super) fn inverse(axes: [(usize, f32); 3]) -> [(usize, f32); 3] {
+    let mut result = [(0, 1.0); 3];
+    for (local, (axis, sign)) in axes.into_iter().enumerate() {
+        result[axis] = (local, sign);
+    }
+    result
 }
 
 /// Matrix whose columns are the rows stored from this vector on.

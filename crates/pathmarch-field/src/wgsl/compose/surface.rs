@@ -1,6 +1,6 @@
 //! WGSL of surfaces: distance, gradient, and the leaf whose material shows.
 
-use super::parameters::{component, rows};
+use super::parameters::{component, inverse, rows, swizzled};
 use super::{Composer, analytic, profile};
 use crate::graph::{Tree, Turn};
 use std::fmt::Write;
@@ -84,11 +84,11 @@ impl Composer<'_> {
                     Turn::Turned => {
                         let local = fresh("l");
                         let scale = component(start, 3);
-                        writeln!(
-                            text,
-                            "    let {local} = {call};\n    let {name} = vec4f({} * {local}.xyz, {local}.w) * {scale};",
-                            rows(start + 1)
-                        )
+                        let surface = match self.constant_axes(&leaf.pose) {
+                            Some(axes) => format!("vec4f({}, {local}.w * {scale})", swizzled(&local, inverse(axes))),
+                            None => format!("vec4f({} * {local}.xyz, {local}.w) * {scale}", rows(start + 1)),
+                        };
+                        writeln!(text, "    let {local} = {call};\n    let {name} = {surface};")
                     }
                 }
                 .expect("writing to a string");

@@ -8,10 +8,11 @@
 //! (docs/performance.md).
 //!
 //! Each read of a uniform costs llvmpipe about as much as the arithmetic of a shape with it. In a kernel for one long
-//! picture, the numbers of the field and of the frame, and the light if there is one, are therefore constants, which its
+//! picture, the numbers of the field, of the frame and of [short tables](super::tables) are therefore constants, which its
 //! compiler also folds: cornell-box 5.3 to 2.3 s, closed-metal-room 9.7 to 6.3 s for 64 samples at 480x270.
 
 use super::encode::LightRecord;
+use super::tables::TableReaders;
 use crate::backend::RenderInput;
 use crate::scene::{FrameUniforms, LeafRecord, LightNode, MaterialRecord};
 use crate::wgsl;
@@ -52,6 +53,7 @@ pub(crate) struct Bindings {
     pub(super) loops_are_limited: bool,
     /// True if the kernel records guides.
     pub(super) has_guides: bool,
+    readers: TableReaders,
     /// Numbers that the kernel contains; `None` if it reads them.
     constants: Option<Constants>,
 }
@@ -60,8 +62,6 @@ pub(crate) struct Bindings {
 struct Constants {
     parameters: String,
     frame: String,
-    /// Light of a scene with one that paths sample.
-    light: Option<String>,
 }
 
 impl Constants {
@@ -72,14 +72,9 @@ impl Constants {
         }
         let vectors = program.parameters.iter().map(|[x, y, z, w]| format!("vec4f({x:?}, {y:?}, {z:?}, {w:?})"));
         let vectors: Vec<_> = vectors.collect();
-        let light = match &input.scene.lights[..] {
-            [light] if input.mode.traces_paths() => wgsl::value(&LightRecord::new(light)),
-            _ => None,
-        };
         Some(Self {
             parameters: format!("{}({})", program.parameters_type(), vectors.join(", ")),
             frame: wgsl::value(&input.frame)?,
-            light,
         })
     }
 }
@@ -108,7 +103,8 @@ impl Bindings {
         // Paths that are resumed do not keep the state of the recorder.
         let has_guides = input.records_guides() && !loops_are_limited;
         let constants = if software && input.config.constant_numbers { Constants::new(input, program) } else { None };
-        Self { uniform, software, loops_are_limited, has_guides, constants }
+        let readers = TableReaders::new(&input.scene, constants.is_some());
+        Self { uniform, software, loops_are_limited, has_guides, readers, constants }
     }
 
     /// Binding numbers of the kernel.
@@ -128,11 +124,6 @@ impl Bindings {
     /// True if the kernel contains the frame.
     pub(super) fn frame_is_constant(&self) -> bool {
         self.constants.is_some()
-    }
-
-    /// True if the kernel contains the only light.
-    pub(super) fn has_constant_light(&self) -> bool {
-        self.constants.as_ref().is_some_and(|constants| constants.light.is_some())
     }
 
     /// True if a buffer is in uniform memory.
@@ -163,12 +154,11 @@ impl Bindings {
         };
         let mut text = match (&self.constants, self.software) {
             // Not `const`, so that the front end evaluates nothing: a division by zero is no mistake here.
-            (Some(Constants { parameters, frame, light }), _) => {
+            (Some(Constants { parameters, frame, .. }), _) => {
                 let constant =
                     |name: &str, kind: &str, value: &str| format!("var<private> {name}: {kind} = {value};\n");
                 constant("frame", "Frame", frame)
                     + &constant("field_parameters", &program.parameters_type(), parameters)
-                    + &light.as_ref().map(|light| constant("one_light", "Light", light)).unwrap_or_default()
                     + "\nfn load_frame() {}\n\n"
             }
             (None, true) => {
@@ -182,8 +172,10 @@ impl Bindings {
         }
         text += &array(LEAVES, "leaves", "LeafRecord", size_of::<LeafRecord>());
         text += &array(MATERIALS, "materials", "Material", size_of::<MaterialRecord>());
+        text += &self.readers.objects;
         if input.mode.traces_paths() || input.preview().is_some() {
             text += &array(LIGHTS, "lights", "Light", size_of::<LightRecord>());
+            text += &self.readers.lights;
             if self.is_uniform(LIGHT_TREE) {
                 text += &array(LIGHT_TREE, "light_nodes", "LightNode", size_of::<LightNode>());
             }

@@ -24,7 +24,9 @@ pub(super) fn program(input: &RenderInput) -> Program {
     // Without noise, `r2_sequence.wgsl` declares `choice`.
     let declares_choice = input.mode.traces_paths();
     let has_triangle_distances = input.preview().is_some() || input.config.penumbra;
-    let options = ProgramOptions { sphere_traced_distance, has_triangle_distances, declares_choice };
+    let has_constant_numbers = input.config.constant_numbers;
+    let options =
+        ProgramOptions { sphere_traced_distance, has_triangle_distances, declares_choice, has_constant_numbers };
     let mut program = Program::with_options(&input.scene.field, options);
     if let Some(preview) = input.preview() {
         program.write_object_sets(&input.scene.field, &preview.distance_functions());
@@ -150,7 +152,6 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "ray_kind" => "intersect/no_ray_kind",
         "mesh_normals" if input.scene.field.has_shading_normals() => "shading/mesh_normals",
         "mesh_normals" => "shading/no_mesh_normals",
-        "light_choice" if bindings.has_constant_light() => "integrator/one_light",
         "light_choice" if input.light_tree().is_none() => "integrator/light_table",
         "light_choice" => "integrator/light_tree",
         "light_nodes" if bindings.is_uniform(LIGHT_TREE) => "integrator/light_nodes_uniform",

@@ -15,6 +15,7 @@ mod kernel_tests;
 mod loop_limit;
 pub(crate) mod shaders;
 mod slice;
+mod tables;
 mod timer;
 
 pub use adapter::{AdapterDescription, adapters};

@@ -88,7 +88,6 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/no_nested_dielectrics",
     "integrator/no_penumbra",
     "integrator/no_photons",
-    "integrator/one_light",
     "integrator/participating_media" shares || {
         [participating_media::shared_wgsl(), scene_medium::shared_wgsl(), scene_light::shared_wgsl()].concat()
     },
