@@ -38,9 +38,9 @@ object "lamp" material="lamp" { sphere 0.2 { at 0.6 1 -0.5 } }
 
 fn pictures_do_not_depend_on_constant_numbers() {
     let device = Device::open_as("software").expect("a GPU adapter");
-    // Sphere-traced shapes with suns and a sky, and a closed room.
+    // Sphere-traced shapes with suns and a sky, a closed room, and shapes along the axes of the world.
     let room = scenes().into_iter().find(|path| path.ends_with("closed-emitting-room.kdl")).expect("there");
-    for scene in [parse(THIN), Scene::load(&room).expect("a valid scene")] {
+    for scene in [parse(THIN), Scene::load(&room).expect("a valid scene"), parse(ALONG_AXES)] {
         let settings = Settings { size: [48, 28], bounces: 3, ..Settings::of(&scene) };
         let render = |picture: Picture| picture.on_gpu(&device, 16).expect("renders").mean();
         let plain = render(Picture::new(&scene, &settings));
@@ -68,6 +68,26 @@ object "wires" material="red" {
 object "shell" material="grey" { subtract smooth=0.004 { sphere 0.5 { at 0.9 0.6 -0.2 }; sphere 0.494 { at 0.9 0.6 -0.2 }; box 1 0.5 1 { at 0.9 1.05 0 } } }
 object "cut" material="grey" { subtract { box 0.5 0.5 0.5; sphere 0.3; cylinder 0.12 2 { rotate 90 0 0 }; at 0.1 0.25 0.6 } }
 object "needle" material="red" { cone 0.01 1.2 { at -0.15 0.6 0.7 } }
+"#;
+
+/// Shapes turned by right angles, of several sizes and materials.
+const ALONG_AXES: &str = r#"pathmarch 1
+camera "main" { position 0.4 1.3 4; target 0 0.6 0; fov 40 }
+sky 0.3 0.4 0.5
+point { at 1 3 2; intensity 20 }
+material "tiles" { diffuse { checker size=0.3 { colour 0.8 0.7 0.6; colour 0.2 0.3 0.2 } } }
+material "glass" { glass 0.9 1 0.9; ior 1.5; roughness 0.2 }
+material "metal" { metal 0.9 0.6 0.3; roughness 0.3 }
+material "plastic" { principled 0.1 0.3 0.8; roughness 0.4 }
+material "lamp" { emit 3 }
+object "floor" material="tiles" { rect 5 4 { rotate 0 90 0 } }
+object "back" material="plastic" { rect 3 2 { normal 0 0 1; at 0 1 -1.5 } }
+object "side" material="metal" { disc 0.5 { normal -1 0 0; scale 1.5; at 1.4 0.8 0 } }
+object "roof" material="lamp" { rect 1 0.5 { normal 0 -1 0; at 0 2.2 0 } }
+object "prism" material="glass" { cylinder 0.3 0.5 { rotate 90 0 90; scale 1.2; at -0.7 0.4 0.5 } }
+object "ball" material="metal" { sphere 0.3 { rotate 0 0 -90; at 0.3 0.3 0.8 } }
+object "cut" material="plastic" { subtract { box 0.4 0.6 0.5; cylinder 0.12 2 { rotate 90 0 0 }; rotate 0 180 0; at 0.9 0.3 -0.6 } }
+object "ring" material="glass" { torus 0.3 0.08 { rotate 0 0 90; at -1 0.9 -0.6 } }
 "#;
 
 /// Compares pictures with optimisations, rendered by `render`, with a reference without.
