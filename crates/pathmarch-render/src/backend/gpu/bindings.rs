@@ -154,7 +154,7 @@ impl Bindings {
         };
         let mut text = match (&self.constants, self.software) {
             // Not `const`, so that the front end evaluates nothing: a division by zero is no mistake here.
-            (Some(Constants { parameters, frame, .. }), _) => {
+            (Some(Constants { parameters, frame }), _) => {
                 let constant =
                     |name: &str, kind: &str, value: &str| format!("var<private> {name}: {kind} = {value};\n");
                 constant("frame", "Frame", frame)

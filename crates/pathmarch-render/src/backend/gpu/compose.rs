@@ -16,15 +16,16 @@ use pathmarch_scene::textures::{self, Pattern, Texture};
 use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
 
-/// Program of the scene's field for a mode.
-pub(super) fn program(input: &RenderInput) -> Program {
+/// Program of the scene's field for a mode. On software adapters its code may depend on the numbers of a long picture; on
+/// others it does not, so that the frames of an animation share a kernel.
+pub(super) fn program(input: &RenderInput, software: bool) -> Program {
     let defaults = ProgramOptions::default();
     let counts = matches!(input.mode, Mode::Steps | Mode::Violations);
     let sphere_traced_distance = if counts { "uncounted_distance" } else { defaults.sphere_traced_distance };
     // Without noise, `r2_sequence.wgsl` declares `choice`.
     let declares_choice = input.mode.traces_paths();
     let has_triangle_distances = input.preview().is_some() || input.config.penumbra;
-    let has_constant_numbers = input.config.constant_numbers;
+    let has_constant_numbers = software && input.config.constant_numbers;
     let options =
         ProgramOptions { sphere_traced_distance, has_triangle_distances, declares_choice, has_constant_numbers };
     let mut program = Program::with_options(&input.scene.field, options);

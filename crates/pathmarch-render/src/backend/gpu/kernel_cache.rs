@@ -36,7 +36,7 @@ impl KernelSource {
 
     /// Composes the kernel for a software adapter or for a GPU.
     pub(crate) fn for_adapter(input: &RenderInput, software: bool) -> Self {
-        let program = program(input);
+        let program = program(input, software);
         let trusted = input.scene.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
         let bindings = Bindings::new(input, &program, software);
         let stored_tree = input.light_tree().filter(|_| !bindings.is_uniform(bindings::LIGHT_TREE));
