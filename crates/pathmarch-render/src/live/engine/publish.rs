@@ -50,6 +50,8 @@ impl Engine {
             Some(codes) => codes,
             None => tracer.show(&display, request.settings.mode)?,
         };
+        // Nobody takes the picture for a finished one, or for one of another backend, because of an older status.
+        self.update_status();
         let now = Instant::now();
         self.serial += 1;
         let exposure_stops = display.exposure_stops;
