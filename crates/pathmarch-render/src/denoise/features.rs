@@ -222,7 +222,7 @@ fn rays_of(samples: u32) -> u32 {
 
 /// Adds the features of the camera rays of one sample of these pixels to their sums.
 fn trace_rays(ctx: &TraceContext, pixels: &[(u32, u32)], sample: u32, sums: &mut [PixelFeatures]) {
-    let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, sample)).collect();
+    let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx, x, y, sample)).collect();
     let rays = camera_rays(ctx.frame, pixels, &samplers).into_iter().zip(samplers);
     let mut walks: Vec<Walk> =
         rays.enumerate().map(|(slot, (ray, sampler))| Walk::new(ctx, slot, ray, sampler)).collect();

@@ -2,16 +2,17 @@
 //! radius is zero. The pixel filter is a box: positions are uniformly distributed in the pixel.
 
 use crate::intersect::ray::Ray;
-use crate::sampling::sobol::{PixelSampler, pair};
-use crate::scene::FrameUniforms;
+use crate::sampling::sobol::{PixelSampler, pair, reversed_in_tile};
+use crate::scene::{FrameUniforms, TraceContext};
 use glam::Vec3;
 use pathmarch_scene::Sampler;
 use std::f32::consts::TAU;
 
 /// Random numbers of sample `sample` of the pixel (`x`, `y`), with the seed and the sampler of the frame.
-pub(crate) fn pixel_sampler(frame: &FrameUniforms, x: u32, y: u32, sample: u32) -> PixelSampler {
-    let independent = frame.sampler == Sampler::Independent as u32;
-    PixelSampler::new(x, y, sample, frame.seed).independent(independent)
+pub(crate) fn pixel_sampler(ctx: &TraceContext, x: u32, y: u32, sample: u32) -> PixelSampler {
+    let independent = ctx.frame.sampler == Sampler::Independent as u32;
+    let [x, y] = if ctx.config.path_reuse { [x, y].map(reversed_in_tile) } else { [x, y] };
+    PixelSampler::new(x, y, sample, ctx.frame.seed).independent(independent)
 }
 
 /// Camera ray of one sample of each of these pixels (x, y); row 0 is at the top.

@@ -221,7 +221,7 @@ pub(super) fn seen_by_further_rays(
 /// What these camera rays through each of these pixels see, pixel by pixel.
 fn seen_emission(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<SeenEmission> {
     let of_pixel = |&(x, y): &(u32, u32)| {
-        let sampler = move |index: u32| pixel_sampler(ctx.frame, x, y, index);
+        let sampler = move |index: u32| pixel_sampler(ctx, x, y, index);
         indices.clone().map(move |index| ((x, y), sampler(index)))
     };
     let (pixels, samplers): (Vec<(u32, u32)>, Vec<PixelSampler>) = pixels.iter().flat_map(of_pixel).unzip();

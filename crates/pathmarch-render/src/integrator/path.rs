@@ -52,9 +52,9 @@ use std::iter::repeat_n;
 /// only if they share a camera ray.
 pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
     let ray_index = camera_ray_index(first, ctx.config.splitting);
-    let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, ray_index)).collect();
+    let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx, x, y, ray_index)).collect();
     let rays = camera_rays(ctx.frame, pixels, &samplers).into_iter().zip(samplers);
-    let mut reuse = ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples, ray_index));
+    let mut reuse = ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples));
     let (mut paths, mut radiance) = start_paths(ctx, rays);
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, None);
     if ctx.config.splitting == 1 {
@@ -73,7 +73,7 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
 
 /// Radiance of one sample of each of these pixels, which do not share camera rays, and their guides.
 pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sample: u32) -> (Vec<Vec3>, Vec<Guide>) {
-    let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, sample)).collect();
+    let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx, x, y, sample)).collect();
     let rays = camera_rays(ctx.frame, pixels, &samplers);
     let mut recorder = GuideRecorder::new(ctx, rays.clone());
     let (mut paths, mut radiance) = start_paths(ctx, rays.into_iter().zip(samplers));

@@ -9,16 +9,17 @@
 //! sum, no weight is larger than without sharing. Between Lambertian surfaces, fⱼ is albedoⱼ x pⱼ: the radiance is
 //! distributed.
 //!
-//! **Groups.** A pixel of the tile is a pair (x, y) of elements of the field of eight elements. A group is a line
-//! y = cx + d, or x = d. The slope is one of nine, by chance for each tile and sample, and two pixels are on a common
-//! line for one of the nine. So noise is not the same in the pixels of a tile.
+//! **Groups.** A group are the sixteen pixels of a tile whose coordinates have the same parities. A pixel so has other paths
+//! than its neighbours, and the noise that a group has in common is fine. Random numbers are those of a picture whose tiles
+//! have their pixels in another order ([`reversed_in_tile`](crate::sampling::sobol::reversed_in_tile)). Sixteen pixels and
+//! their samples are then one net of Sobol' points. Random groups in every sample leave an error that falls as that of
+//! independent samples does, whatever the points of each pixel.
 //! [`path_reuse_choice`](super::path_reuse_choice) decides whether pixels share.
 
 use super::path_state::Path;
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
 use crate::sampling::basis::{basis, local_viewer};
-use crate::sampling::sobol::hash;
 use crate::scene::TraceContext;
 use crate::scene::material::{DELTA, GLOWS, LAMBERTIAN, TRANSMITS};
 use crate::shading::surface_interaction::SurfaceInteraction;
@@ -30,10 +31,10 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 shared_constants! {
-    /// Edge length of the tiles that groups are in, and pixels of a group.
-    pub(super) const GROUP: u32 = 8;
-    /// Number of slopes of groups.
-    const SLOPES: u32 = 9;
+    /// Edge length of the tiles that groups are in, pixels.
+    pub(super) const REUSE_TILE: u32 = 8;
+    /// Pixels of a group: those of every second column and row of a tile.
+    const GROUP: u32 = 16;
 }
 
 /// Largest number of paths that share a camera ray in a kernel: the memory of a workgroup, 16 KiB, holds their second surfaces.
@@ -92,8 +93,6 @@ pub(super) struct PathReuse<'a> {
     pixels: &'a [(u32, u32)],
     /// Paths of a pixel.
     samples: usize,
-    /// Index of the camera ray.
-    ray_index: u32,
     /// For each pixel.
     first: Vec<Option<FirstSurface>>,
     /// For each path.
@@ -101,15 +100,9 @@ pub(super) struct PathReuse<'a> {
 }
 
 impl<'a> PathReuse<'a> {
-    pub(super) fn new(pixels: &'a [(u32, u32)], samples: u32, ray_index: u32) -> Self {
+    pub(super) fn new(pixels: &'a [(u32, u32)], samples: u32) -> Self {
         let paths = pixels.len() * samples as usize;
-        Self {
-            pixels,
-            samples: samples as usize,
-            ray_index,
-            first: vec![None; pixels.len()],
-            second: vec![None; paths],
-        }
+        Self { pixels, samples: samples as usize, first: vec![None; pixels.len()], second: vec![None; paths] }
     }
 
     /// Records the first or second surface of a path before it is shaded. From the second surface on, the path has the
@@ -159,9 +152,9 @@ impl<'a> PathReuse<'a> {
 
     /// Groups of pixels, with the paths that they share.
     fn groups(&self) -> Vec<Group> {
-        let mut groups: BTreeMap<(u32, u32, u32), Group> = BTreeMap::new();
+        let mut groups: BTreeMap<[u32; 4], Group> = BTreeMap::new();
         for (pixel, &(x, y)) in self.pixels.iter().enumerate().filter(|(pixel, _)| self.first[*pixel].is_some()) {
-            let group = groups.entry(group_of(x, y, self.ray_index)).or_default();
+            let group = groups.entry(group_of(x, y)).or_default();
             group.pixels.push(pixel);
             group.paths.extend(self.paths_of(pixel).filter(|path| self.second[*path].is_some()));
         }
@@ -243,50 +236,7 @@ fn connection(first: &FirstSurface, second: &SecondSurface) -> Connection {
     Connection { density: evaluated.pdf * solid_angle_per_area, value: evaluated.value * solid_angle_per_area }
 }
 
-/// Product in the field of eight elements, with the polynomial x³ + x + 1.
-fn product(a: u32, b: u32) -> u32 {
-    let twice = |a: u32| (a << 1) ^ (if a & 4 != 0 { 0b1011 } else { 0 });
-    let (a2, a4) = (twice(a), twice(twice(a)));
-    (if b & 1 != 0 { a } else { 0 }) ^ (if b & 2 != 0 { a2 } else { 0 }) ^ (if b & 4 != 0 { a4 } else { 0 })
-}
-
-/// Tile of a pixel, and the group within the tile.
-fn group_of(x: u32, y: u32, ray_index: u32) -> (u32, u32, u32) {
-    let (tile_x, tile_y) = (x / GROUP, y / GROUP);
-    let slope = hash(ray_index ^ hash(tile_x ^ hash(tile_y))) % SLOPES;
-    let (x, y) = (x % GROUP, y % GROUP);
-    (tile_x, tile_y, if slope < GROUP { y ^ product(slope, x) } else { x })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::collections::BTreeSet;
-
-    /// Groups of the pixels of the first tile for a camera ray.
-    fn groups(ray_index: u32) -> Vec<BTreeSet<(u32, u32)>> {
-        let mut groups = vec![BTreeSet::new(); GROUP as usize];
-        for (x, y) in (0..GROUP).flat_map(|y| (0..GROUP).map(move |x| (x, y))) {
-            let (tile_x, tile_y, group) = group_of(x, y, ray_index);
-            assert_eq!((tile_x, tile_y), (0, 0));
-            groups[group as usize].insert((x, y));
-        }
-        groups
-    }
-
-    #[test]
-    fn two_pixels_of_a_tile_are_in_one_group_for_one_slope() {
-        let mut partitions: Vec<_> = (0..200).map(groups).collect();
-        partitions.sort();
-        partitions.dedup();
-        assert_eq!(partitions.len(), SLOPES as usize);
-        assert!(partitions.iter().flatten().all(|group| group.len() == GROUP as usize));
-        let pixels: Vec<_> = (0..GROUP).flat_map(|y| (0..GROUP).map(move |x| (x, y))).collect();
-        for a in &pixels {
-            for b in pixels.iter().filter(|b| *b != a) {
-                let common = partitions.iter().flatten().filter(|group| group.contains(a) && group.contains(b));
-                assert_eq!(common.count(), 1, "{a:?} and {b:?}");
-            }
-        }
-    }
+/// Tile of a pixel, and the parities of its place in it.
+fn group_of(x: u32, y: u32) -> [u32; 4] {
+    [x / REUSE_TILE, y / REUSE_TILE, x % 2, y % 2]
 }

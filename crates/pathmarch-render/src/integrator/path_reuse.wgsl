@@ -13,33 +13,19 @@ struct SecondSurface {
 }
 
 /// Second surfaces of each pixel of the tile, row by row: those of its paths, as many as share a camera ray.
-var<workgroup> second_surfaces: array<SecondSurface, SPLITTING * GROUP * GROUP>;
+var<workgroup> second_surfaces: array<SecondSurface, SPLITTING * REUSE_TILE * REUSE_TILE>;
 /// Densities over area with which each pixel samples the second surfaces of the pixels of its group, 1/m².
-var<workgroup> densities: array<f32, GROUP * GROUP * GROUP>;
-
-/// Product in the field of eight elements, with the polynomial x³ + x + 1.
-fn product(a: u32, b: u32) -> u32 {
-    let a2 = (a << 1u) ^ select(0u, 11u, (a & 4u) != 0u);
-    let a4 = (a2 << 1u) ^ select(0u, 11u, (a2 & 4u) != 0u);
-    return select(0u, a, (b & 1u) != 0u) ^ select(0u, a2, (b & 2u) != 0u) ^ select(0u, a4, (b & 4u) != 0u);
-}
-
-/// Slope of the groups of a tile for a camera ray.
-fn slope_of(tile: vec2u, ray_index: u32) -> u32 {
-    return hash(ray_index ^ hash(tile.x ^ hash(tile.y))) % SLOPES;
-}
+var<workgroup> densities: array<f32, GROUP * REUSE_TILE * REUSE_TILE>;
 
 /// Index in its group of a pixel of the tile.
-fn index_in_group(pixel: vec2u, slope: u32) -> u32 {
-    return select(pixel.y, pixel.x, slope < GROUP);
+fn index_in_group(pixel: vec2u) -> u32 {
+    return REUSE_TILE / 2u * (pixel.y / 2u) + pixel.x / 2u;
 }
 
 /// Place in the tile of a pixel of the group of `pixel`.
-fn place_in_group(pixel: vec2u, slope: u32, index: u32) -> u32 {
-    if slope < GROUP {
-        return GROUP * (product(slope, index) ^ product(slope, pixel.x) ^ pixel.y) + index;
-    }
-    return GROUP * index + pixel.x;
+fn place_in_group(pixel: vec2u, index: u32) -> u32 {
+    let other = 2u * vec2u(index % (REUSE_TILE / 2u), index / (REUSE_TILE / 2u)) + pixel % 2u;
+    return REUSE_TILE * other.y + other.x;
 }
 
 /// True if the camera hit of a path is on an opaque surface that is no mirror, and not seen through a medium.
@@ -51,10 +37,9 @@ fn shares(path: Path) -> bool {
 /// Adds the film values of the slice's samples of a pixel to those before. All invocations of the workgroup call it at once,
 /// also those of pixels outside the picture.
 fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
-    let pixel = vec2u(x, y) % GROUP;
+    let pixel = vec2u(x, y) % REUSE_TILE;
     let ray_index = camera_ray_index(slice.sample);
-    let slope = slope_of(vec2u(x, y) / GROUP, ray_index);
-    let first_second_surface = SPLITTING * (GROUP * pixel.y + pixel.x);
+    let first_second_surface = SPLITTING * (REUSE_TILE * pixel.y + pixel.x);
     for (var k = 0u; k < SPLITTING; k++) {
         second_surfaces[first_second_surface + k].normal = vec3f(0.0);
     }
@@ -81,8 +66,8 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
     let wo_unclamped = -first_path.ray.direction * world_from_local;
     let wo = vec3f(wo_unclamped.xy, max(abs(wo_unclamped.z), 1e-5));
     let origin = spawn_origin(interaction, false);
-    let own_place = GROUP * pixel.y + pixel.x;
-    let own_index = index_in_group(pixel, slope);
+    let own_place = REUSE_TILE * pixel.y + pixel.x;
+    let own_index = index_in_group(pixel);
     // No constant, so that compilers do not unroll the loops.
     let group_size = GROUP * min(slice.samples, 1u);
     var shared_radiance = vec3f(0.0);
@@ -91,7 +76,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
         // Connections with the second surfaces of the group: density, and BSDF times both cosines over the square of the distance.
         var values: array<vec3f, GROUP>;
         for (var index = 0u; index < group_size; index++) {
-            let second = second_surfaces[SPLITTING * place_in_group(pixel, slope, index) + k];
+            let second = second_surfaces[SPLITTING * place_in_group(pixel, index) + k];
             let offset = second.p - interaction.p;
             let square = dot(offset, offset);
             let direction = offset / sqrt(square);
@@ -114,7 +99,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
         workgroupBarrier();
         var density = 0.0;
         for (var index = 0u; index < group_size; index++) {
-            density += densities[GROUP * place_in_group(pixel, slope, index) + own_index];
+            density += densities[GROUP * place_in_group(pixel, index) + own_index];
         }
         if density > 0.0 {
             second_surfaces[first_second_surface + k].radiance /= density;
@@ -123,7 +108,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
         for (var index = 0u; index < group_size; index++) {
             if any(values[index] > vec3f(0.0)) {
                 shared_radiance +=
-                    values[index] * second_surfaces[SPLITTING * place_in_group(pixel, slope, index) + k].radiance;
+                    values[index] * second_surfaces[SPLITTING * place_in_group(pixel, index) + k].radiance;
             }
         }
     }

@@ -7,7 +7,7 @@
 //!
 //! **Cost.** 25,000 paths on the CPU, for pictures of at least a hundred times as many.
 
-use super::path_reuse::GROUP;
+use super::path_reuse::REUSE_TILE;
 use super::probe::{self, Noise};
 use crate::ray_stats::RayCounters;
 use crate::scene::material::LAMBERTIAN;
@@ -46,9 +46,9 @@ pub(crate) fn pays(
     connection_cost: f64,
 ) -> bool {
     let [width, height] = frame.size();
-    let probe_paths = 2 * PROBE_SAMPLES * PROBE_GRID[0] * PROBE_GRID[1] * GROUP * GROUP;
+    let probe_paths = 2 * PROBE_SAMPLES * PROBE_GRID[0] * PROBE_GRID[1] * REUSE_TILE * REUSE_TILE;
     let is_large = probe::path_count(frame, samples) >= MIN_PATHS_PER_PROBE_PATH * f64::from(probe_paths);
-    if !is_large || width.min(height) < GROUP {
+    if !is_large || width.min(height) < REUSE_TILE {
         return false;
     }
     let frame = probe::frame_of(frame);
@@ -82,19 +82,20 @@ pub(crate) fn pays(
 fn noise_of_tile(ctx: &TraceContext, tile: u32) -> Vec<Noise> {
     let [width, height] = ctx.frame.size();
     let corner = |cell: u32, cells: u32, length: u32| {
-        let tiles = length / GROUP;
-        (tiles * (2 * cell + 1) / (2 * cells)).min(tiles - 1) * GROUP
+        let tiles = length / REUSE_TILE;
+        (tiles * (2 * cell + 1) / (2 * cells)).min(tiles - 1) * REUSE_TILE
     };
     let left = corner(tile % PROBE_GRID[0], PROBE_GRID[0], width);
     let top = corner(tile / PROBE_GRID[0], PROBE_GRID[1], height);
-    let pixels: Vec<(u32, u32)> = (top..top + GROUP).flat_map(|y| (left..left + GROUP).map(move |x| (x, y))).collect();
+    let pixels: Vec<(u32, u32)> =
+        (top..top + REUSE_TILE).flat_map(|y| (left..left + REUSE_TILE).map(move |x| (x, y))).collect();
     probe::noise(ctx, &pixels, PROBE_SAMPLES)
 }
 
 /// Radiance around each pixel of a tile: that of its neighbours or of the tile, whichever is brighter. Its own samples do not
 /// count, so that a pixel that is bright by chance is no less noisy for it.
 fn radiance_around(tile: &[Noise]) -> Vec<DVec3> {
-    let side = GROUP as usize;
+    let side = REUSE_TILE as usize;
     let of_tile = tile.iter().map(|noise| noise.mean).sum::<DVec3>() / tile.len() as f64;
     let near = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
     let of_neighbours = |pixel: usize| {

@@ -83,7 +83,7 @@ pub(crate) fn best_splitting(
 /// Traces camera rays alone.
 fn trace_camera_rays(ctx: &TraceContext, pixels: &[(u32, u32)]) {
     for ray in UNSPLIT_SAMPLES..UNSPLIT_SAMPLES + PROBE_RAYS {
-        let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx.frame, x, y, ray)).collect();
+        let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx, x, y, ray)).collect();
         let rays = camera_rays(ctx.frame, pixels, &samplers).into_iter();
         march(ctx, &rays.map(|ray| RaySegment { ray, path_length: 0.0, limit: f32::INFINITY }).collect::<Vec<_>>());
     }

@@ -111,6 +111,12 @@ fn spread_bits(mut x: u32) -> u32 {
     (x | (x << 1)) & 0x5555_5555
 }
 
+/// Coordinate of a pixel with its three lowest bits reversed. Every second pixel of a tile of eight along an axis so comes to
+/// lie in one half, so that sixteen pixels of a tile with coordinates of the same parities are an aligned block.
+pub(crate) fn reversed_in_tile(x: u32) -> u32 {
+    (x & !5) | ((x & 1) << 2) | ((x >> 2) & 1)
+}
+
 /// Random numbers of one sample of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PixelSampler {
@@ -243,6 +249,24 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn every_second_pixel_of_a_tile_is_stratified_with_the_others() {
+        for [x0, y0] in [[0, 0], [1, 0], [0, 1], [41, 17]] {
+            let [x0, y0] = [8 * (x0 / 2) + x0 % 2, 8 * (y0 / 2) + y0 % 2];
+            let points: Vec<[f32; 2]> = (0..16 * 8)
+                .map(|k| {
+                    let [x, y] = [x0 + 2 * (k % 4), y0 + 2 * (k / 4 % 4)].map(reversed_in_tile);
+                    PixelSampler::new(x, y, 16 + k / 16, 3).sample_2d(4)
+                })
+                .collect();
+            assert!(is_net(&points), "{x0}, {y0}");
+        }
+        // All pixels of the tile still have places of their own.
+        let mut places: Vec<u32> = (16..24).map(reversed_in_tile).collect();
+        places.sort_unstable();
+        assert!(places.into_iter().eq(16..24));
     }
 
     #[test]

@@ -56,9 +56,15 @@ fn spread_bits(bits: u32) -> u32 {
     return (x | (x << 1u)) & 0x55555555u;
 }
 
+/// Coordinate of a pixel with its three lowest bits reversed.
+fn reversed_in_tile(x: u32) -> u32 {
+    return (x & ~5u) | ((x & 1u) << 2u) | ((x >> 2u) & 1u);
+}
+
 /// Random numbers of sample `sample` of a pixel.
 fn pixel_sampler(x: u32, y: u32, sample: u32, seed: u32) -> PixelSampler {
-    let morton = reverseBits(spread_bits(x) | (spread_bits(y) << 1u));
+    let place = select(vec2u(x, y), vec2u(reversed_in_tile(x), reversed_in_tile(y)), PATH_REUSE);
+    let morton = reverseBits(spread_bits(place.x) | (spread_bits(place.y) << 1u));
     let flips = (scramble_reversed(morton, 0x9e3779b9u) ^ morton) & 0x55555555u;
     let swap = (morton ^ (morton >> 1u)) & flips;
     return PixelSampler(hash(seed), morton ^ swap ^ (swap << 1u), sample);

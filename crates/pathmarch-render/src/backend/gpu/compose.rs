@@ -223,6 +223,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("SHADING_NORMALS", config.shading_normals),
         ("HAS_PICTURES", textures.any(has_pictures)),
         ("HAS_DECALS", config.decals),
+        ("PATH_REUSE", config.path_reuse),
     ] {
         constant(name, &value);
     }
