@@ -110,17 +110,16 @@ impl RenderInput {
         }
     }
 
-    /// Lets pixels share light if the settings ask for it, or if the picture then converges sooner; `on_software_gpu` in the
-    /// kernel of a software adapter.
-    pub(crate) fn choose_path_reuse(&mut self, settings: &Settings, samples: u32, on_software_gpu: bool) {
+    /// Lets pixels share light if the settings ask for it, or if the picture then converges sooner; a connection costs as much as
+    /// this number of rays.
+    pub(crate) fn choose_path_reuse(&mut self, settings: &Settings, samples: u32, connection_cost: f64) {
         let is_possible = self.mode == Mode::Path
             && settings.crop.is_none()
             && settings.clamp.is_none()
             && path_reuse_choice::is_possible(&self.scene, &self.config);
         self.config.path_reuse = is_possible
             && settings.path_reuse.unwrap_or_else(|| {
-                let cost = if on_software_gpu { path_reuse_choice::SOFTWARE_CONNECTION_COST } else { 1.0 };
-                path_reuse_choice::pays(&self.scene, &self.frame, &self.config, samples, cost)
+                path_reuse_choice::pays(&self.scene, &self.frame, &self.config, samples, connection_cost)
             });
     }
 

@@ -5,7 +5,9 @@
 //! it. Either may decide: in a room that is lit through a keyhole, most pixels of the probe find no light, and their own means
 //! would tell that they have no noise.
 //!
-//! **Cost.** 25,000 paths on the CPU, for pictures of at least a hundred times as many.
+//! Independent samples would not tell: shared paths are points of one net, and their variance falls faster.
+//!
+//! **Cost.** 66,000 paths on the CPU, for pictures of at least forty times as many.
 
 use super::path_reuse::REUSE_TILE;
 use super::probe::{self, Noise};
@@ -17,18 +19,27 @@ use rayon::prelude::*;
 
 /// Columns and rows of tiles that a probe renders.
 const PROBE_GRID: [u32; 2] = [8, 4];
-/// Samples of the probe.
-const PROBE_SAMPLES: u32 = 6;
+/// Successive samples of a pixel of the probe, with each of two seeds.
+const PROBE_SAMPLES: u32 = 8;
 /// Smallest number of paths of a picture for each path of the probe.
-const MIN_PATHS_PER_PROBE_PATH: f64 = 100.0;
+const MIN_PATHS_PER_PROBE_PATH: f64 = 40.0;
 /// Smallest relative reduction of the error that justifies sharing, because the noise of neighbours is related.
 const MIN_GAIN: f64 = 0.2;
 /// Largest variance of a pixel of the probe, relative to the radiance around it.
 const MAX_RARE_VARIANCE: f64 = 3000.0;
 
-/// Cost of a connection in a kernel on a software adapter, relative to a ray: its lanes exchange what they share through
-/// memory, one by one. On llvmpipe 2 to 3.7.
-pub(crate) const SOFTWARE_CONNECTION_COST: f64 = 3.0;
+/// Cost of a connection on the CPU, relative to a ray and its shading: 0.54 to 0.66.
+pub(crate) const CPU_CONNECTION_COST: f64 = 0.6;
+/// Cost of a connection on the GPU, relative to a ray and its shading; not measured.
+const GPU_CONNECTION_COST: f64 = 1.0;
+/// Cost of a connection in a kernel on a software adapter, relative to a ray and its shading: its lanes exchange what they share
+/// through memory, one by one. On llvmpipe 2.6 to 6.3.
+const SOFTWARE_CONNECTION_COST: f64 = 4.0;
+
+/// Cost of a connection in a kernel, relative to a ray and its shading.
+pub(crate) fn kernel_connection_cost(is_software: bool) -> f64 {
+    if is_software { SOFTWARE_CONNECTION_COST } else { GPU_CONNECTION_COST }
+}
 
 /// True in scenes where some surface is Lambertian, and nothing but the geometry decides what one sees of another.
 pub(crate) fn is_possible(scene: &RenderScene, config: &KernelConfig) -> bool {
@@ -46,16 +57,15 @@ pub(crate) fn pays(
     connection_cost: f64,
 ) -> bool {
     let [width, height] = frame.size();
-    let probe_paths = 2 * PROBE_SAMPLES * PROBE_GRID[0] * PROBE_GRID[1] * REUSE_TILE * REUSE_TILE;
+    let probe_paths = 2 * 2 * PROBE_SAMPLES * PROBE_GRID[0] * PROBE_GRID[1] * REUSE_TILE * REUSE_TILE;
     let is_large = probe::path_count(frame, samples) >= MIN_PATHS_PER_PROBE_PATH * f64::from(probe_paths);
     if !is_large || width.min(height) < REUSE_TILE {
         return false;
     }
-    let frame = probe::frame_of(frame);
     let counters = [RayCounters::default(), RayCounters::default()];
     let [apart, shared] = [false, true].map(|path_reuse| KernelConfig { path_reuse, splitting: 1, ..*config });
     let noise_of = |config, stats, tile| {
-        noise_of_tile(&TraceContext { scene, frame: &frame, config, stats: Some(stats), photons: None }, tile)
+        noise_of_tile(&TraceContext { scene, frame, config, stats: Some(stats), photons: None }, tile)
     };
     let tiles = (0..PROBE_GRID[0] * PROBE_GRID[1]).into_par_iter();
     let variances: Vec<[[f64; 2]; 2]> = tiles
@@ -89,7 +99,7 @@ fn noise_of_tile(ctx: &TraceContext, tile: u32) -> Vec<Noise> {
     let top = corner(tile / PROBE_GRID[0], PROBE_GRID[1], height);
     let pixels: Vec<(u32, u32)> =
         (top..top + REUSE_TILE).flat_map(|y| (left..left + REUSE_TILE).map(move |x| (x, y))).collect();
-    probe::noise(ctx, &pixels, PROBE_SAMPLES)
+    probe::noise_of_successive(ctx, &pixels, PROBE_SAMPLES)
 }
 
 /// Radiance around each pixel of a tile: that of its neighbours or of the tile, whichever is brighter. Its own samples do not

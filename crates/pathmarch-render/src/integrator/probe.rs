@@ -64,6 +64,28 @@ pub(super) fn noise(ctx: &TraceContext, pixels: &[(u32, u32)], samples: u32) -> 
     (0..pixels.len()).map(noise_of_pixel).collect()
 }
 
+/// Noise of one of this number of successive samples of each of these pixels: their mean has the variance over the number. It is
+/// that between two seeds, so that the order in the samples of a pixel and its neighbours counts.
+pub(super) fn noise_of_successive(ctx: &TraceContext, pixels: &[(u32, u32)], samples: u32) -> Vec<Noise> {
+    let means = [1, 2].map(|seed| {
+        let frame = FrameUniforms { seed: hash(ctx.frame.seed ^ seed), ..*ctx.frame };
+        let ctx = TraceContext { frame: &frame, ..*ctx };
+        let mut sums = vec![DVec3::ZERO; pixels.len()];
+        for sample in 0..samples {
+            for (sum, value) in sums.iter_mut().zip(path::trace(&ctx, pixels, sample, 1)) {
+                *sum += value.as_dvec3();
+            }
+        }
+        sums.into_iter().map(|sum| sum / f64::from(samples)).collect::<Vec<_>>()
+    });
+    let [a, b] = &means;
+    let noise_of_pixel = |(a, b): (&DVec3, &DVec3)| Noise {
+        mean: 0.5 * (a + b),
+        variance: 0.5 * f64::from(samples) * (a - b) * (a - b),
+    };
+    a.iter().zip(b).map(noise_of_pixel).collect()
+}
+
 /// Variance of pixels relative to the squares of these radiances, as in relMSE, summed; at most `most` for a pixel and channel.
 pub(super) fn relative_variance(pixels: &[Noise], radiance: &[DVec3], most: f64) -> f64 {
     let of_pixel = |(noise, radiance): (&Noise, &DVec3)| {

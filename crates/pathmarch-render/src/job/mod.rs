@@ -15,6 +15,7 @@ use crate::backend::cpu::CpuJob;
 use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
 use crate::error::RenderError;
 use crate::integrator::path_reuse;
+use crate::integrator::path_reuse_choice::{CPU_CONNECTION_COST, kernel_connection_cost};
 use crate::output::exposure::suitable_stops;
 use crate::output::film::Film;
 use crate::ray_stats::{RayCounters, RayStats};
@@ -204,7 +205,7 @@ impl Renderer {
         }
         let samples = settings.whole_samples.unwrap_or(settings.samples);
         input.choose_light_samples(settings, samples, false);
-        input.choose_path_reuse(settings, samples, false);
+        input.choose_path_reuse(settings, samples, CPU_CONNECTION_COST);
         input.choose_emitter_edges(settings, samples);
         if settings.splitting.is_none() && !input.config.path_reuse {
             input.choose_splitting(samples, false);
@@ -231,7 +232,7 @@ fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -
     input.choose_light_samples(settings, samples, !limited);
     if !limited {
         if input.config.splitting <= path_reuse::MAX_SPLITTING {
-            input.choose_path_reuse(settings, samples, gpu.is_software());
+            input.choose_path_reuse(settings, samples, kernel_connection_cost(gpu.is_software()));
         }
         if settings.splitting.is_none() {
             input.choose_splitting(samples, true);

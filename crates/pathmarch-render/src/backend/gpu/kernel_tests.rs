@@ -218,7 +218,7 @@ fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) ->
     let settings = Settings { size: [8, 8], mode, splitting, path_reuse: Some(true), ..Settings::of(scene) };
     let mut input = RenderInput::new(scene, &settings).with_guides();
     if splitting == Some(4) {
-        input.choose_path_reuse(&settings, settings.samples, software);
+        input.choose_path_reuse(&settings, settings.samples, 1.0);
         input.config.constant_numbers = true;
     }
     let source = KernelSource::for_adapter(&input, software);
