@@ -2,7 +2,7 @@
 //! radius is zero. The pixel filter is a box: positions are uniformly distributed in the pixel.
 
 use crate::intersect::ray::Ray;
-use crate::sampling::sobol::{PixelSampler, pair, reversed_in_tile};
+use crate::sampling::sobol::{PixelSampler, pair, place_by_group};
 use crate::scene::{FrameUniforms, TraceContext};
 use glam::Vec3;
 use pathmarch_scene::Sampler;
@@ -11,7 +11,7 @@ use std::f32::consts::TAU;
 /// Random numbers of sample `sample` of the pixel (`x`, `y`), with the seed and the sampler of the frame.
 pub(crate) fn pixel_sampler(ctx: &TraceContext, x: u32, y: u32, sample: u32) -> PixelSampler {
     let independent = ctx.frame.sampler == Sampler::Independent as u32;
-    let [x, y] = if ctx.config.path_reuse { [x, y].map(reversed_in_tile) } else { [x, y] };
+    let [x, y] = if ctx.config.path_reuse { place_by_group(x, y) } else { [x, y] };
     PixelSampler::new(x, y, sample, ctx.frame.seed).independent(independent)
 }
 

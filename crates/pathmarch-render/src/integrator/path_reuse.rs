@@ -9,17 +9,18 @@
 //! sum, no weight is larger than without sharing. Between Lambertian surfaces, fⱼ is albedoⱼ x pⱼ: the radiance is
 //! distributed.
 //!
-//! **Groups.** A group are the sixteen pixels of a tile whose coordinates have the same parities. A pixel so has other paths
-//! than its neighbours, and the noise that a group has in common is fine. Random numbers are those of a picture whose tiles
-//! have their pixels in another order ([`reversed_in_tile`](crate::sampling::sobol::reversed_in_tile)). Sixteen pixels and
-//! their samples are then one net of Sobol' points. Random groups in every sample leave an error that falls as that of
-//! independent samples does, whatever the points of each pixel.
+//! **Groups.** A tile has four groups of sixteen pixels, one of each in every block of 2 by 2. A pixel so has other paths than its
+//! neighbours, and the noise that a group has in common is fine and without a pattern. Random numbers are those of a picture
+//! whose tiles have their pixels in another order ([`place_by_group`](crate::sampling::sobol::place_by_group)), so that a group
+//! and its samples are one net of Sobol' points. With other groups in every sample the error would fall only as that of
+//! independent samples.
 //! [`path_reuse_choice`](super::path_reuse_choice) decides whether pixels share.
 
 use super::path_state::Path;
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
 use crate::sampling::basis::{basis, local_viewer};
+use crate::sampling::sobol::interleaved_group;
 use crate::scene::TraceContext;
 use crate::scene::material::{DELTA, GLOWS, LAMBERTIAN, TRANSMITS};
 use crate::shading::surface_interaction::SurfaceInteraction;
@@ -33,7 +34,7 @@ use std::ops::Range;
 shared_constants! {
     /// Edge length of the tiles that groups are in, pixels.
     pub(super) const REUSE_TILE: u32 = 8;
-    /// Pixels of a group: those of every second column and row of a tile.
+    /// Pixels of a group: one of each block of 2 by 2 in a tile.
     const GROUP: u32 = 16;
 }
 
@@ -236,7 +237,8 @@ fn connection(first: &FirstSurface, second: &SecondSurface) -> Connection {
     Connection { density: evaluated.pdf * solid_angle_per_area, value: evaluated.value * solid_angle_per_area }
 }
 
-/// Tile of a pixel, and the parities of its place in it.
+/// Tile of a pixel, and its group in the tile.
 fn group_of(x: u32, y: u32) -> [u32; 4] {
-    [x / REUSE_TILE, y / REUSE_TILE, x % 2, y % 2]
+    let [group_x, group_y] = interleaved_group(x, y);
+    [x / REUSE_TILE, y / REUSE_TILE, group_x, group_y]
 }

@@ -12,20 +12,16 @@ struct SecondSurface {
     radiance: vec3f,
 }
 
-/// Second surfaces of each pixel of the tile, row by row: those of its paths, as many as share a camera ray.
+/// Second surfaces of each pixel of the tile: those of its paths, as many as share a camera ray.
 var<workgroup> second_surfaces: array<SecondSurface, SPLITTING * REUSE_TILE * REUSE_TILE>;
 /// Densities over area with which each pixel samples the second surfaces of the pixels of its group, 1/m².
 var<workgroup> densities: array<f32, GROUP * REUSE_TILE * REUSE_TILE>;
 
-/// Index in its group of a pixel of the tile.
-fn index_in_group(pixel: vec2u) -> u32 {
-    return REUSE_TILE / 2u * (pixel.y / 2u) + pixel.x / 2u;
-}
-
-/// Place in the tile of a pixel of the group of `pixel`.
-fn place_in_group(pixel: vec2u, index: u32) -> u32 {
-    let other = 2u * vec2u(index % (REUSE_TILE / 2u), index / (REUSE_TILE / 2u)) + pixel % 2u;
-    return REUSE_TILE * other.y + other.x;
+/// Place of a pixel in the memory of its tile: group by group, and row by row in a group.
+fn place_in_tile(pixel: vec2u) -> u32 {
+    let group = interleaved_group(pixel);
+    let block = pixel % REUSE_TILE / 2u;
+    return GROUP * (2u * group.y + group.x) + REUSE_TILE / 2u * block.y + block.x;
 }
 
 /// True if the camera hit of a path is on an opaque surface that is no mirror, and not seen through a medium.
@@ -37,9 +33,11 @@ fn shares(path: Path) -> bool {
 /// Adds the film values of the slice's samples of a pixel to those before. All invocations of the workgroup call it at once,
 /// also those of pixels outside the picture.
 fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
-    let pixel = vec2u(x, y) % REUSE_TILE;
+    let own_place = place_in_tile(vec2u(x, y));
+    let own_index = own_place % GROUP;
+    let first_of_group = own_place - own_index;
     let ray_index = camera_ray_index(slice.sample);
-    let first_second_surface = SPLITTING * (REUSE_TILE * pixel.y + pixel.x);
+    let first_second_surface = SPLITTING * own_place;
     for (var k = 0u; k < SPLITTING; k++) {
         second_surfaces[first_second_surface + k].normal = vec3f(0.0);
     }
@@ -66,8 +64,6 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
     let wo_unclamped = -first_path.ray.direction * world_from_local;
     let wo = vec3f(wo_unclamped.xy, max(abs(wo_unclamped.z), 1e-5));
     let origin = spawn_origin(interaction, false);
-    let own_place = REUSE_TILE * pixel.y + pixel.x;
-    let own_index = index_in_group(pixel);
     // No constant, so that compilers do not unroll the loops.
     let group_size = GROUP * min(slice.samples, 1u);
     var shared_radiance = vec3f(0.0);
@@ -76,7 +72,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
         // Connections with the second surfaces of the group: density, and BSDF times both cosines over the square of the distance.
         var values: array<vec3f, GROUP>;
         for (var index = 0u; index < group_size; index++) {
-            let second = second_surfaces[SPLITTING * place_in_group(pixel, index) + k];
+            let second = second_surfaces[SPLITTING * (first_of_group + index) + k];
             let offset = second.p - interaction.p;
             let square = dot(offset, offset);
             let direction = offset / sqrt(square);
@@ -99,7 +95,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
         workgroupBarrier();
         var density = 0.0;
         for (var index = 0u; index < group_size; index++) {
-            density += densities[GROUP * place_in_group(pixel, index) + own_index];
+            density += densities[GROUP * (first_of_group + index) + own_index];
         }
         if density > 0.0 {
             second_surfaces[first_second_surface + k].radiance /= density;
@@ -108,7 +104,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
         for (var index = 0u; index < group_size; index++) {
             if any(values[index] > vec3f(0.0)) {
                 shared_radiance +=
-                    values[index] * second_surfaces[SPLITTING * place_in_group(pixel, index) + k].radiance;
+                    values[index] * second_surfaces[SPLITTING * (first_of_group + index) + k].radiance;
             }
         }
     }

@@ -111,10 +111,18 @@ fn spread_bits(mut x: u32) -> u32 {
     (x | (x << 1)) & 0x5555_5555
 }
 
-/// Coordinate of a pixel with its three lowest bits reversed. Every second pixel of a tile of eight along an axis so comes to
-/// lie in one half, so that sixteen pixels of a tile with coordinates of the same parities are an aligned block.
-pub(crate) fn reversed_in_tile(x: u32) -> u32 {
-    (x & !5) | ((x & 1) << 2) | ((x >> 2) & 1)
+/// Group of a pixel among four, x and y below two. Each block of 2 by 2 pixels has one of each, in an order by chance.
+pub(crate) fn interleaved_group(x: u32, y: u32) -> [u32; 2] {
+    let flips = hash((x / 2) ^ hash(y / 2));
+    [(x ^ flips) & 1, (y ^ (flips >> 1)) & 1]
+}
+
+/// Pixel of which the pixel (x, y) has the random numbers where pixels of a group are to be stratified together: the sixteen of a
+/// tile of 8 by 8 in one [`interleaved_group`] take an aligned block, of which neighbours are far from each other.
+pub(crate) fn place_by_group(x: u32, y: u32) -> [u32; 2] {
+    let [group_x, group_y] = interleaved_group(x, y);
+    let place = |x: u32, group: u32| (x & !7) | (group << 2) | (x & 2) | ((x >> 2) & 1);
+    [place(x, group_x), place(y, group_y)]
 }
 
 /// Random numbers of one sample of a pixel.
@@ -252,21 +260,24 @@ mod tests {
     }
 
     #[test]
-    fn every_second_pixel_of_a_tile_is_stratified_with_the_others() {
-        for [x0, y0] in [[0, 0], [1, 0], [0, 1], [41, 17]] {
-            let [x0, y0] = [8 * (x0 / 2) + x0 % 2, 8 * (y0 / 2) + y0 % 2];
-            let points: Vec<[f32; 2]> = (0..16 * 8)
-                .map(|k| {
-                    let [x, y] = [x0 + 2 * (k % 4), y0 + 2 * (k / 4 % 4)].map(reversed_in_tile);
+    fn the_pixels_of_a_group_are_stratified_together() {
+        for [x0, y0] in [[0, 0], [8, 0], [160, 72]] {
+            let pixels: Vec<[u32; 2]> = (0..64).map(|k| [x0 + k % 8, y0 + k / 8]).collect();
+            for group in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+                let pixels = pixels.iter().filter(|[x, y]| interleaved_group(*x, *y) == group);
+                let places: Vec<[u32; 2]> = pixels.map(|&[x, y]| place_by_group(x, y)).collect();
+                let point = |k: u32| {
+                    let [x, y] = places[(k % 16) as usize];
                     PixelSampler::new(x, y, 16 + k / 16, 3).sample_2d(4)
-                })
-                .collect();
-            assert!(is_net(&points), "{x0}, {y0}");
+                };
+                assert_eq!(places.len(), 16);
+                assert!(is_net(&(0..16 * 8).map(point).collect::<Vec<_>>()), "{x0}, {y0}, {group:?}");
+            }
+            // All pixels of the tile still have places of their own in it.
+            let mut places: Vec<[u32; 2]> = pixels.iter().map(|&[x, y]| place_by_group(x, y)).collect();
+            places.sort_unstable_by_key(|&[x, y]| [y, x]);
+            assert_eq!(places, pixels);
         }
-        // All pixels of the tile still have places of their own.
-        let mut places: Vec<u32> = (16..24).map(reversed_in_tile).collect();
-        places.sort_unstable();
-        assert!(places.into_iter().eq(16..24));
     }
 
     #[test]

@@ -56,14 +56,20 @@ fn spread_bits(bits: u32) -> u32 {
     return (x | (x << 1u)) & 0x55555555u;
 }
 
-/// Coordinate of a pixel with its three lowest bits reversed.
-fn reversed_in_tile(x: u32) -> u32 {
-    return (x & ~5u) | ((x & 1u) << 2u) | ((x >> 2u) & 1u);
+/// Group of a pixel among four.
+fn interleaved_group(pixel: vec2u) -> vec2u {
+    let flips = hash((pixel.x / 2u) ^ hash(pixel.y / 2u));
+    return (pixel ^ vec2u(flips, flips >> 1u)) & vec2u(1u);
+}
+
+/// Pixel of which a pixel has the random numbers where pixels of a group are to be stratified together.
+fn place_by_group(pixel: vec2u) -> vec2u {
+    return (pixel & vec2u(~7u)) | (interleaved_group(pixel) << vec2u(2u)) | (pixel & vec2u(2u)) | ((pixel >> vec2u(2u)) & vec2u(1u));
 }
 
 /// Random numbers of sample `sample` of a pixel.
 fn pixel_sampler(x: u32, y: u32, sample: u32, seed: u32) -> PixelSampler {
-    let place = select(vec2u(x, y), vec2u(reversed_in_tile(x), reversed_in_tile(y)), PATH_REUSE);
+    let place = select(vec2u(x, y), place_by_group(vec2u(x, y)), PATH_REUSE);
     let morton = reverseBits(spread_bits(place.x) | (spread_bits(place.y) << 1u));
     let flips = (scramble_reversed(morton, 0x9e3779b9u) ^ morton) & 0x55555555u;
     let swap = (morton ^ (morton >> 1u)) & flips;
