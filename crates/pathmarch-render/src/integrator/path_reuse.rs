@@ -9,7 +9,7 @@
 //! sum, no weight is larger than without sharing. Between Lambertian surfaces, fⱼ is albedoⱼ x pⱼ: the radiance is
 //! distributed.
 //!
-//! **Groups.** A tile has four groups of sixteen pixels, one of each in every block of 2 by 2. A pixel so has other paths than its
+//! **Groups.** A tile has four groups of sixteen pixels, one of each in every block of 2 by 2. So a pixel has other paths than its
 //! neighbours, and the noise that a group has in common is fine and without a pattern. Random numbers are those of a picture
 //! whose tiles have their pixels in another order ([`place_by_group`](crate::sampling::sobol::place_by_group)), so that a group
 //! and its samples are one net of Sobol' points. With other groups in every sample the error would fall only as that of

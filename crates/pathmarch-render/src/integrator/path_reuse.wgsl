@@ -36,7 +36,6 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
     let own_place = place_in_tile(vec2u(x, y));
     let own_index = own_place % GROUP;
     let first_of_group = own_place - own_index;
-    let ray_index = camera_ray_index(slice.sample);
     let first_second_surface = SPLITTING * own_place;
     for (var k = 0u; k < SPLITTING; k++) {
         second_surfaces[first_second_surface + k].normal = vec3f(0.0);
@@ -45,7 +44,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
     var first_path: Path;
     var is_shared = false;
     if is_inside {
-        let sampler = pixel_sampler(x, y, ray_index, frame.seed);
+        let sampler = pixel_sampler(x, y, camera_ray_index(slice.sample), frame.seed);
         first_path = path_from(camera_ray(x, y, sampler), sampler);
         if path_intersect(&first_path) {
             is_shared = shares(first_path);
