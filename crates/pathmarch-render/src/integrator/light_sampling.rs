@@ -51,13 +51,6 @@ pub(super) struct ChosenLight<'a> {
     pub(super) inverse_pmf: f32,
 }
 
-impl ChosenLight<'_> {
-    /// Leaf that the shadow ray must hit, for a light that it may miss.
-    pub(super) fn target(&self) -> Option<u32> {
-        if let LightShape::Bounded(sphere) = self.shape { Some(sphere.leaf) } else { None }
-    }
-}
-
 /// Random numbers of light sample `k` of `count` at a surface: for the choice, each in a stratum of its own, and for the position.
 #[inline(always)]
 pub(super) fn nth_light_sample<N: Real>(k: u32, count: u32, choice: N, [x, y]: [N; 2]) -> (N, [N; 2]) {
@@ -135,7 +128,7 @@ pub(super) fn sample_direction(
     position: [f32; 2],
 ) -> Option<LightSample> {
     let sample = |direction, distance, irradiance, pdf| {
-        let (pdf, target, penumbra) = (pdf * light.pmf, light.target(), light.shape.penumbra());
+        let (pdf, target, penumbra) = (pdf * light.pmf, light.shape.target(), light.shape.penumbra());
         Some(LightSample { direction, distance, irradiance, pdf, target, penumbra })
     };
     match light.shape {

@@ -4,7 +4,7 @@
 //! Spheres, rectangles and points are sampled side by side, lights of other kinds one by one.
 
 use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, choose_light, power_heuristic, sample_direction};
-use crate::intersect::ray::{lanes, mask_of, pack, unpack};
+use crate::intersect::ray::{lanes, mask_of, pack, set_bits, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::TraceContext;
 use crate::scene::light::{LightShape, PointLight, SheetLight, SphereLight};
@@ -36,18 +36,53 @@ impl LightSamples {
     }
 }
 
-/// Lights of one kind, where the others are replaced by one of them, and the lanes of this kind. `None` if there is none.
-fn of_kind<'a, T>(
-    lights: &[Option<ChosenLight<'a>>; 8],
-    kind: impl Fn(&'a LightShape) -> Option<&'a T>,
-) -> Option<([&'a T; 8], Mask8)> {
-    let of_lane = lights.each_ref().map(|light| light.as_ref().and_then(|light| kind(light.shape)));
-    let any = of_lane.iter().flatten().next()?;
-    Some((of_lane.map(|light| light.unwrap_or(any)), mask_where(|lane| of_lane[lane].is_some())))
+/// Lights that are chosen for eight points, with the probabilities of choosing them.
+pub(super) struct ChosenLights<'a> {
+    /// Indices among the lights of the scene.
+    indices: [usize; 8],
+    /// The environment in lanes without a light.
+    pub(super) shapes: [&'a LightShape; 8],
+    pmf: f32x8,
+    inverse_pmf: f32x8,
+    /// Lanes with a light, a bit for each.
+    exist: u32,
 }
 
-fn shape_of<'a>(light: &Option<ChosenLight<'a>>) -> Option<&'a LightShape> {
-    light.as_ref().map(|light| light.shape)
+impl<'a> ChosenLights<'a> {
+    const NONE: Self = Self {
+        indices: [0; 8],
+        shapes: [&LightShape::Environment; 8],
+        pmf: f32x8::ZERO,
+        inverse_pmf: f32x8::ZERO,
+        exist: 0,
+    };
+
+    /// Puts the lights that are found for these lanes into them.
+    #[inline(always)]
+    fn put(&mut self, lanes: u32, light: impl Fn(usize) -> Option<ChosenLight<'a>>) {
+        let (mut pmf, mut inverse_pmf) = (self.pmf.to_array(), self.inverse_pmf.to_array());
+        for lane in set_bits(lanes) {
+            if let Some(light) = light(lane) {
+                (self.indices[lane], self.shapes[lane]) = (light.index, light.shape);
+                (pmf[lane], inverse_pmf[lane]) = (light.pmf, light.inverse_pmf);
+                self.exist |= 1 << lane;
+            }
+        }
+        (self.pmf, self.inverse_pmf) = (pmf.into(), inverse_pmf.into());
+    }
+
+    fn get(&self, lane: usize) -> ChosenLight<'a> {
+        let [pmf, inverse_pmf] = [self.pmf, self.inverse_pmf].map(|values| values.to_array()[lane]);
+        ChosenLight { index: self.indices[lane], shape: self.shapes[lane], pmf, inverse_pmf }
+    }
+
+    /// Lights of one kind, where the others are replaced by one of them, and the lanes of this kind. `None` if there is none.
+    #[inline(always)]
+    fn of_kind<T>(&self, kind: impl Fn(&'a LightShape) -> Option<&'a T>) -> Option<([&'a T; 8], Mask8)> {
+        let any = self.shapes.iter().find_map(|shape| kind(shape))?;
+        let lanes = (0..8).map(|lane| u32::from(kind(self.shapes[lane]).is_some()) << lane).sum();
+        Some((self.shapes.map(|shape| kind(shape).unwrap_or(any)), mask_of(lanes)))
+    }
 }
 
 /// Sphere that is sampled in the cone that it subtends.
@@ -66,68 +101,66 @@ fn point(shape: &LightShape) -> Option<&PointLight> {
     if let LightShape::Point(point) = shape { Some(point) } else { None }
 }
 
-/// Lanes for which a condition holds.
-fn mask_where(condition: impl Fn(usize) -> bool) -> Mask8 {
-    mask_of((0..8).map(|lane| u32::from(condition(lane)) << lane).sum())
-}
-
-/// Chooses a light for each point where `wanted` is set, as [`choose_light`] does. Surfaces with these unit normals are lit on
-/// one side only.
+/// Chooses a light for each point whose bit is set in `wanted`, as [`choose_light`] does. Surfaces with these unit normals are
+/// lit on one side only.
 pub(super) fn choose_lights<'a>(
     ctx: &TraceContext<'a>,
     p: &[Vec3; 8],
     normal: &[Vec3; 8],
     choice: f32x8,
-    wanted: [bool; 8],
-) -> [Option<ChosenLight<'a>>; 8] {
-    let choices = choice.to_array();
-    let alone =
-        |lane: usize| wanted[lane].then(|| choose_light(ctx, p[lane], Some(normal[lane]), choices[lane])).flatten();
-    let Some(tree) = &ctx.scene.light_tree else {
-        return std::array::from_fn(alone);
-    };
-    let in_tree = mask_where(|lane| wanted[lane] && choices[lane] < tree.share);
-    let random = choice / f32x8::splat(tree.share);
-    let (leaves, probability) = tree.sample_in_lanes(pack(*p), pack(*normal), random, in_tree);
-    let (in_tree, pmf) = (in_tree.0.to_bitmask(), (probability * f32x8::splat(tree.share)).to_array());
-    std::array::from_fn(|lane| {
-        if in_tree >> lane & 1 == 0 {
-            return alone(lane);
+    wanted: u32,
+) -> ChosenLights<'a> {
+    let mut chosen = ChosenLights::NONE;
+    let mut alone = wanted;
+    if let Some(tree) = &ctx.scene.light_tree {
+        let share = f32x8::splat(tree.share);
+        let in_tree = wanted & choice.simd_lt(share).to_bitmask();
+        alone = wanted & !in_tree;
+        let (leaves, probability) = tree.sample_in_lanes(pack(*p), pack(*normal), choice / share, mask_of(in_tree));
+        chosen.pmf = probability * share;
+        chosen.inverse_pmf = f32x8::ONE / chosen.pmf;
+        chosen.exist = in_tree & chosen.pmf.simd_gt(f32x8::ZERO).to_bitmask();
+        for lane in set_bits(chosen.exist) {
+            let index = tree.first + leaves[lane];
+            (chosen.indices[lane], chosen.shapes[lane]) = (index, &ctx.scene.lights[index].shape);
         }
-        let index = tree.first + leaves[lane];
-        let shape = &ctx.scene.lights[index].shape;
-        (pmf[lane] > 0.0).then(|| ChosenLight { index, shape, pmf: pmf[lane], inverse_pmf: 1.0 / pmf[lane] })
-    })
+    }
+    if alone != 0 {
+        let choices = choice.to_array();
+        chosen.put(alone, |lane| choose_light(ctx, p[lane], Some(normal[lane]), choices[lane]));
+    }
+    chosen
 }
 
 /// Samples a direction from each point to its light. Lanes without a light have no sample.
 pub(super) fn sample_directions(
     ctx: &TraceContext,
-    lights: &[Option<ChosenLight>; 8],
+    lights: &ChosenLights,
     p: FieldVec3<f32x8>,
     position: [f32x8; 2],
 ) -> LightSamples {
     let zero = FieldVec3::splat(f32x8::ZERO);
     let mut samples =
         LightSamples { direction: zero, irradiance: zero, distance: f32x8::ZERO, pdf: f32x8::ZERO, exist: mask_of(0) };
-    if let Some((spheres, lanes)) = of_kind(lights, sphere) {
-        let bounded = mask_where(|lane| matches!(shape_of(&lights[lane]), Some(LightShape::Bounded(_))));
+    if let Some((spheres, lanes)) = lights.of_kind(sphere) {
+        let bounded = mask_of((0..8).map(|lane| u32::from(lights.shapes[lane].target().is_some()) << lane).sum());
         samples.set(lanes, &sample_spheres(spheres, bounded, p, position));
     }
-    if let Some((sheets, lanes)) = of_kind(lights, rect) {
+    if let Some((sheets, lanes)) = lights.of_kind(rect) {
         samples.set(lanes, &sample_rects(sheets, p, position));
     }
-    if let Some((points, lanes)) = of_kind(lights, point) {
+    if let Some((points, lanes)) = lights.of_kind(point) {
         samples.set(lanes, &sample_points(points, p));
     }
-    let pmf = lanes(|lane| lights[lane].as_ref().map_or(0.0, |light| light.pmf));
-    let inverse_pmf = lanes(|lane| lights[lane].as_ref().map_or(0.0, |light| light.inverse_pmf));
-    (samples.pdf, samples.irradiance) = (samples.pdf * pmf, samples.irradiance * inverse_pmf);
-    let is_other = |light: &Option<ChosenLight>| {
-        shape_of(light).is_some_and(|shape| sphere(shape).is_none() && rect(shape).is_none() && point(shape).is_none())
+    samples.pdf = samples.pdf * lights.pmf;
+    samples.irradiance = samples.irradiance * lights.inverse_pmf;
+    let is_other = |&lane: &usize| {
+        let shape = lights.shapes[lane];
+        sphere(shape).is_none() && rect(shape).is_none() && point(shape).is_none()
     };
-    if lights.iter().any(is_other) {
-        sample_others(ctx, lights, is_other, &mut samples, p, position);
+    let mut others = set_bits(lights.exist).filter(is_other).peekable();
+    if others.peek().is_some() {
+        sample_others(ctx, lights, others, &mut samples, p, position);
     }
     samples
 }
@@ -209,12 +242,12 @@ fn sample_points(points: [&PointLight; 8], p: FieldVec3<f32x8>) -> LightSamples 
     }
 }
 
-/// Samples lights one by one.
+/// Samples the lights of these lanes one by one.
 #[cold]
 fn sample_others(
     ctx: &TraceContext,
-    lights: &[Option<ChosenLight>; 8],
-    is_other: impl Fn(&Option<ChosenLight>) -> bool,
+    lights: &ChosenLights,
+    others: impl Iterator<Item = usize>,
     samples: &mut LightSamples,
     p: FieldVec3<f32x8>,
     position: [f32x8; 2],
@@ -222,9 +255,8 @@ fn sample_others(
     let (p, [u, v]) = (unpack(p), position.map(f32x8::to_array));
     let (mut direction, mut irradiance) = (unpack(samples.direction), unpack(samples.irradiance));
     let (mut distance, mut pdf, mut exist) = (samples.distance.to_array(), samples.pdf.to_array(), 0);
-    for (lane, light) in lights.iter().enumerate().filter(|(_, light)| is_other(light)) {
-        let sample = light.as_ref().and_then(|light| sample_direction(ctx, light, p[lane], [u[lane], v[lane]]));
-        if let Some(sample) = sample {
+    for lane in others {
+        if let Some(sample) = sample_direction(ctx, &lights.get(lane), p[lane], [u[lane], v[lane]]) {
             (direction[lane], irradiance[lane]) = (sample.direction, sample.irradiance);
             (distance[lane], pdf[lane]) = (sample.distance, sample.pdf);
             exist |= 1 << lane;

@@ -8,7 +8,7 @@ use super::light_sampling_lanes::{choose_lights, sample_directions, sample_weigh
 use super::path_state::{Path, ROULETTE_DEPTH, SURVIVAL_FACTOR};
 use super::shadow::ShadowTest;
 use super::surface_samples::SurfaceSamples;
-use crate::intersect::ray::{Ray, pack, unpack};
+use crate::intersect::ray::{Ray, pack, set_bits, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::TraceContext;
 use crate::scene::material::{DELTA, LAMBERTIAN};
@@ -89,17 +89,16 @@ fn shade<B: BsdfInLanes>(
         let lit = is_lit.0.to_bitmask();
         let weight = sample_weights(ctx.config.direct_lighting, light.pdf, evaluated.pdf).to_array();
         let (directions, radiance, distance) = (unpack(light.direction), unpack(radiance), light.distance.to_array());
-        for (lane, (chosen, (index, _))) in lights.iter().zip(surfaces).enumerate() {
-            let Some(chosen) = chosen.as_ref().filter(|_| lit >> lane & 1 == 1) else { continue };
-            let path = &paths[*index];
+        for lane in set_bits(lit) {
+            let (path, shape) = (&paths[surfaces[lane].0], lights.shapes[lane]);
             shadow_tests.push(ShadowTest {
                 slot: path.slot,
                 radiance: radiance[lane],
                 weight: weight[lane],
                 ray: Ray { origin: origins[lane], direction: directions[lane] },
                 distance: distance[lane],
-                target: chosen.target(),
-                penumbra: chosen.shape.penumbra(),
+                target: shape.target(),
+                penumbra: shape.penumbra(),
                 path_length: path.length,
                 medium: path.medium,
                 sampler: path.sampler,
@@ -121,7 +120,7 @@ fn shade<B: BsdfInLanes>(
     let (directions, throughputs, scatter_pdfs) = (unpack(direction), unpack(throughput), scattered.pdf.to_array());
     for (lane, (index, _)) in surfaces.iter().enumerate() {
         let path = &mut paths[*index];
-        if samples_lights[lane] {
+        if samples_lights >> lane & 1 == 1 {
             path.previous_vertex = origins[lane];
             path.previous_normal = Some(normals[lane]);
         }
@@ -140,8 +139,8 @@ struct Inputs {
     origins: [Vec3; 8],
     /// Unit shading normals.
     normals: [Vec3; 8],
-    /// True where a light is sampled: at all surfaces but mirrors.
-    samples_lights: [bool; 8],
+    /// Lanes where a light is sampled, a bit for each: all surfaces but mirrors.
+    samples_lights: u32,
     parameters: ParametersInLanes,
     /// Unit geometric normals.
     normal: FieldVec3<f32x8>,
@@ -166,7 +165,7 @@ impl Inputs {
         surfaces: &[SurfaceOfPath],
         samples: &SurfaceSamples,
     ) -> Self {
-        let (mut origins, mut normals, mut samples_lights) = ([Vec3::ZERO; 8], [Vec3::Y; 8], [false; 8]);
+        let (mut origins, mut normals, mut samples_lights) = ([Vec3::ZERO; 8], [Vec3::Y; 8], 0);
         let mut components = [[0.0; 8]; 19];
         let mut parameters = [[0.0; 8]; 8];
         for (lane, &(index, interaction)) in surfaces.iter().enumerate() {
@@ -175,7 +174,7 @@ impl Inputs {
             let textured = TexturedPoint::new(ctx, interaction, path.length);
             let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
             (origins[lane], normals[lane]) = (p + normal_offset, ns);
-            samples_lights[lane] = !material.has(DELTA);
+            samples_lights |= u32::from(!material.has(DELTA)) << lane;
             let ([a, b], [c, d], [e, f]) = (samples.choice[index], samples.light[index], samples.scatter[index]);
             let (v, t) = (-path.ray.direction, path.throughput);
             let values =

@@ -51,6 +51,16 @@ pub(crate) fn mask_of(bits: u32) -> Mask8 {
     Mask8(lanes(|lane| (bits >> lane & 1) as f32).simd_gt(f32x8::ZERO))
 }
 
+/// Positions of the bits that are set.
+#[inline(always)]
+pub(crate) fn set_bits(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = (bits != 0).then(|| bits.trailing_zeros() as usize);
+        bits &= bits.wrapping_sub(1);
+        lane
+    })
+}
+
 /// Eight vectors as a structure of arrays.
 #[inline(always)]
 pub(crate) fn pack(vectors: [Vec3; 8]) -> FieldVec3<f32x8> {

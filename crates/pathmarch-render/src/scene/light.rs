@@ -5,7 +5,7 @@ use super::light_tree::{LightBounds, LightTree, NormalCone};
 use super::mesh_light::MeshLight;
 use crate::sampling::alias_table;
 use crate::wgsl::shared_constants;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use pathmarch_field::{Emitter, Field};
 use pathmarch_scene::light::spot_cosines;
 use pathmarch_scene::{Light as SceneLight, Scene};
@@ -203,6 +203,12 @@ impl LightShape {
         }
     }
 
+    /// Leaf that the shadow ray must hit, for a light that it may miss.
+    #[inline]
+    pub(crate) fn target(&self) -> Option<u32> {
+        if let Self::Bounded(sphere) = self { Some(sphere.leaf) } else { None }
+    }
+
     #[inline]
     pub(crate) fn is_sun(&self) -> bool {
         matches!(self, Self::Sun(_))
@@ -218,44 +224,43 @@ impl LightShape {
         }
     }
 
-    /// Approximate irradiance at the centre of the scene by the light of a given intensity, as that of its [bounds](Self::bounds),
-    /// W/m². Zero for the environment.
-    fn irradiance(&self, extent: &Extent, strength: &impl Fn(Vec3) -> f32) -> f32 {
+    /// Approximate irradiance at the centre of the scene, W/m². Zero for the environment.
+    fn irradiance(&self, extent: &Extent) -> Vec3 {
         let falloff =
             |position: Vec3| position.distance_squared(extent.centre).max(extent.radius * extent.radius).max(1e-12);
-        match (self, self.bounds(strength)) {
-            (Self::Sun(light), _) => strength(light.irradiance),
+        match (self, self.bounds()) {
+            (Self::Sun(light), _) => light.irradiance,
             (_, Some(bounds)) => bounds.intensity / falloff(bounds.centre),
-            (_, None) => 0.0,
+            (_, None) => Vec3::ZERO,
         }
     }
 
     /// Centre and radius of a sphere around an emitting object, in world space, metres; `None` for other lights.
     pub(crate) fn emitting_bounds(&self) -> Option<(Vec3, f32)> {
-        let bounds = self.bounds(&|_| 0.0).filter(|_| self.leaf().is_some());
+        let bounds = self.bounds().filter(|_| self.leaf().is_some());
         bounds.map(|bounds| (bounds.centre, bounds.radius))
     }
 
-    /// Bounds of a light with a position, and the strength of its colour as its intensity; `None` for suns and the environment.
-    fn bounds(&self, strength: &impl Fn(Vec3) -> f32) -> Option<LightBounds> {
+    /// Bounds of a light with a position, with its intensity in W/sr; `None` for suns and the environment.
+    fn bounds(&self) -> Option<LightBounds> {
         let everywhere =
             |centre, radius, intensity| LightBounds { centre, radius, normals: NormalCone::ALL, intensity };
         let sheet = |light: &SheetLight, radius| LightBounds {
             centre: light.centre,
             radius,
             normals: NormalCone::of(light.normal),
-            intensity: strength(light.radiance) * light.area,
+            intensity: light.radiance * light.area,
         };
         Some(match self {
-            Self::Point(light) => everywhere(light.position, 0.0, strength(light.radiant_intensity)),
+            Self::Point(light) => everywhere(light.position, 0.0, light.radiant_intensity),
             // It emits into the hemisphere around its axis, as a surface does.
             Self::Spot(SpotLight { point, axis, .. }) => LightBounds {
                 normals: NormalCone::of(*axis),
-                ..everywhere(point.position, 0.0, strength(point.radiant_intensity))
+                ..everywhere(point.position, 0.0, point.radiant_intensity)
             },
             Self::Sphere(light) | Self::Bounded(light) => {
                 let cross_section = PI * light.radius * light.radius;
-                everywhere(light.centre, light.radius, strength(light.radiance) * cross_section)
+                everywhere(light.centre, light.radius, light.radiance * cross_section)
             }
             Self::Rect(light) => sheet(light, light.axes[0].length().hypot(light.axes[1].length())),
             Self::Disc(light) => sheet(light, light.radius),
@@ -263,16 +268,12 @@ impl LightShape {
                 let [a, b, c] = light.axes.map(Vec3::length);
                 let cross_section = 2.0 * (a * b + b * c + c * a);
                 let radius = Vec3::new(a, b, c).length();
-                everywhere(light.centre, radius, strength(light.radiance) * cross_section)
+                everywhere(light.centre, radius, light.radiance * cross_section)
             }
             // Half of the surface or less is seen from a point.
             Self::Triangles(light) => LightBounds {
                 normals: light.normals,
-                ..everywhere(
-                    light.bounds.centre,
-                    light.bounds.radius,
-                    strength(light.bounds.radiance) * (0.5 * light.area),
-                )
+                ..everywhere(light.bounds.centre, light.bounds.radius, light.bounds.radiance * (0.5 * light.area))
             },
             Self::Sun(_) | Self::Environment => return None,
         })
@@ -312,18 +313,16 @@ struct ColourScale {
 
 impl ColourScale {
     fn new(lights: &[LightShape], sky_power: f32, extent: &Extent) -> Self {
-        let sum_of = |channel: usize| {
-            let of_channel = |colour: Vec3| colour[channel];
-            lights.iter().map(|light| f64::from(light.irradiance(extent, &of_channel))).sum::<f64>() as f32 + sky_power
-        };
-        let sums = Vec3::new(sum_of(0), sum_of(1), sum_of(2));
+        let sum: DVec3 = lights.iter().map(|light| light.irradiance(extent).as_dvec3()).sum();
+        let sums = sum.as_vec3() + sky_power;
         // A channel with hardly any light counts for less.
         let least = (MIN_CHANNEL_SHARE * sums.max_element()).max(f32::MIN_POSITIVE);
         Self { inverse: sums.max(Vec3::splat(least)).recip() }
     }
 
-    fn strength(&self, colour: Vec3) -> f32 {
-        (colour * self.inverse).length()
+    /// Colour relative to these sums; its length is its strength.
+    fn relative(&self, colour: Vec3) -> Vec3 {
+        colour * self.inverse
     }
 }
 
@@ -372,10 +371,9 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent, by_place: b
     });
     let shapes: Vec<LightShape> = declared.chain(emitters).collect();
     let scale = ColourScale::new(&shapes, sky_power, extent);
-    let strength = |colour: Vec3| scale.strength(colour);
     let mut weighted: Vec<(LightShape, f32)> =
-        shapes.into_iter().map(|shape| (shape, shape.irradiance(extent, &strength))).collect();
-    weighted.push((LightShape::Environment, strength(Vec3::splat(sky_power))));
+        shapes.into_iter().map(|shape| (shape, scale.relative(shape.irradiance(extent)).length())).collect();
+    weighted.push((LightShape::Environment, scale.relative(Vec3::splat(sky_power)).length()));
     weighted.retain(|(_, weight)| *weight > 0.0);
     // Suns come first: every ray that leaves the scene tests all of them.
     weighted.sort_by_key(|(shape, _)| !shape.is_sun());
@@ -391,7 +389,8 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent, by_place: b
     };
     let mut lights: Vec<Light> = (0..).zip(weighted).map(light).collect();
     let weight_of = |light: &Light| weights[light.declaration as usize];
-    let bounds: Vec<LightBounds> = lights.iter().filter_map(|light| light.shape.bounds(&strength)).collect();
+    let relative = |bounds: LightBounds| LightBounds { intensity: scale.relative(bounds.intensity), ..bounds };
+    let bounds: Vec<LightBounds> = lights.iter().filter_map(|light| light.shape.bounds().map(relative)).collect();
     let mut tree = None;
     let mut in_tree = Vec::new();
     if by_place && bounds.len() >= MIN_TREE_LIGHTS {

@@ -9,6 +9,9 @@
 //! numbers stay stratified, and the probability of a light is the product of the choices. An importance is zero only if no light
 //! of the half can contribute; if both are zero, no light is chosen.
 //!
+//! **Order.** The halves of a node have no order of their own, so each is laid out forwards or backwards, whichever brings lights
+//! of like colours side by side. Numbers of a stratum then choose between lights that differ less.
+//!
 //! **Media.** For a segment of a path in a medium, the importance of a half is about its intensity, integrated over the segment by
 //! the squared distance.
 //!
@@ -52,7 +55,7 @@ shared_struct! {
     }
 }
 
-/// Light or group of lights, as the tree sees it.
+/// Light, as the tree sees it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBounds {
     /// Bounding sphere in world space, metres.
@@ -60,8 +63,19 @@ pub(super) struct LightBounds {
     pub(super) radius: f32,
     /// Normals of the emitting surfaces.
     pub(super) normals: NormalCone,
-    /// Strength of the largest radiant intensity.
-    pub(super) intensity: f32,
+    /// Largest radiant intensity by channel. Its length is its strength, by which lights are chosen.
+    pub(super) intensity: Vec3,
+}
+
+/// Lights of a half of a node.
+struct Half {
+    /// Bounding sphere in world space, metres.
+    centre: Vec3,
+    radius: f32,
+    /// Normals of the emitting surfaces.
+    normals: NormalCone,
+    /// Sum of the strengths of the lights.
+    strength: f64,
 }
 
 /// Cone of unit vectors.
@@ -125,11 +139,11 @@ struct Group {
     max: Vec3,
     /// `None` without lights.
     normals: Option<NormalCone>,
-    intensity: f64,
+    strength: f64,
 }
 
 impl Group {
-    const NOTHING: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY, normals: None, intensity: 0.0 };
+    const NOTHING: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY, normals: None, strength: 0.0 };
 
     fn of(light: &LightBounds) -> Self {
         let radius = Vec3::splat(light.radius);
@@ -137,7 +151,7 @@ impl Group {
             min: light.centre - radius,
             max: light.centre + radius,
             normals: Some(light.normals),
-            intensity: f64::from(light.intensity),
+            strength: f64::from(light.intensity.length()),
         }
     }
 
@@ -150,29 +164,28 @@ impl Group {
             min: self.min.min(other.min),
             max: self.max.max(other.max),
             normals,
-            intensity: self.intensity + other.intensity,
+            strength: self.strength + other.strength,
         }
     }
 
     /// Cost of a half in the surface area orientation heuristic, with the square of the radius as the area.
     fn cost(&self) -> f64 {
         let Some(normals) = self.normals else { return 0.0 };
-        self.intensity * f64::from(normals.measure()) * f64::from((self.max - self.min).length_squared())
+        self.strength * f64::from(normals.measure()) * f64::from((self.max - self.min).length_squared())
     }
 
-    /// Bounding sphere, cone and intensity of these lights.
-    fn bounds(&self, lights: &[LightBounds], order: &[u32]) -> LightBounds {
-        if let &[light] = order {
-            return lights[light as usize];
-        }
-        let centre = 0.5 * self.min + 0.5 * self.max;
-        let reach = |&light: &u32| lights[light as usize].centre.distance(centre) + lights[light as usize].radius;
-        LightBounds {
-            centre,
-            radius: order.iter().map(reach).fold(0.0, f32::max) * (1.0 + 4.0 * f32::EPSILON),
-            normals: self.normals.unwrap_or(NormalCone::ALL),
-            intensity: self.intensity as f32,
-        }
+    /// Half with these lights.
+    fn half(&self, lights: &[LightBounds], order: &[u32]) -> Half {
+        let normals = self.normals.unwrap_or(NormalCone::ALL);
+        let (centre, radius) = if let &[light] = order {
+            let LightBounds { centre, radius, .. } = lights[light as usize];
+            (centre, radius)
+        } else {
+            let centre = 0.5 * self.min + 0.5 * self.max;
+            let reach = |&light: &u32| lights[light as usize].centre.distance(centre) + lights[light as usize].radius;
+            (centre, order.iter().map(reach).fold(0.0, f32::max) * (1.0 + 4.0 * f32::EPSILON))
+        };
+        Half { centre, radius, normals, strength: self.strength }
     }
 }
 
@@ -201,9 +214,12 @@ pub(crate) struct LightTree {
 impl LightTree {
     /// Builds the tree over these lights. Returns it and the indices of the lights in the order of its leaves.
     pub(super) fn new(lights: &[LightBounds], first: usize, share: f32) -> (Self, Vec<u32>) {
-        let mut order: Vec<u32> = (0..lights.len() as u32).collect();
         let mut nodes = Vec::with_capacity(lights.len().saturating_sub(1));
-        append(lights, &mut order, 0, &mut nodes);
+        let mut order = Vec::with_capacity(lights.len());
+        if !lights.is_empty() {
+            let mut unordered: Vec<u32> = (0..lights.len() as u32).collect();
+            Subtree::new(lights, &mut unordered, 0).append(false, &mut nodes, &mut order);
+        }
         let has_facing_lights = lights.iter().any(|light| light.normals.cosine > -1.0);
         (Self { nodes, count: lights.len(), first, share, has_facing_lights }, order)
     }
@@ -418,33 +434,67 @@ fn mean_height<N: Real>(height: N, radius: N) -> N {
     height.max(N::constant(HORIZON_SHARE) * (height + radius)).max(N::zero())
 }
 
-/// Appends the subtree of these lights and sorts them into the order of its leaves. Returns their bounds.
-fn append(lights: &[LightBounds], order: &mut [u32], depth: u32, nodes: &mut Vec<LightNode>) -> LightBounds {
-    let group = order.iter().fold(Group::NOTHING, |all, &light| all.union(Group::of(&lights[light as usize])));
-    let bounds = group.bounds(lights, order);
-    if order.len() < 2 {
-        return bounds;
+/// Subtree, before its lights have their order.
+struct Subtree {
+    lights: Half,
+    count: usize,
+    /// Colours of the first and of the last light.
+    ends: [Vec3; 2],
+    parts: Parts,
+}
+
+enum Parts {
+    Light(u32),
+    /// Two halves, each with its lights in reverse order or not.
+    Halves(Box<[(Subtree, bool); 2]>),
+}
+
+impl Subtree {
+    /// Subtree over these lights; `order` is partitioned on the way.
+    fn new(lights: &[LightBounds], order: &mut [u32], depth: u32) -> Self {
+        let group = order.iter().fold(Group::NOTHING, |all, &light| all.union(Group::of(&lights[light as usize])));
+        let (half, count) = (group.half(lights, order), order.len());
+        if let &mut [light] = order {
+            let colour = lights[light as usize].intensity.normalize_or_zero();
+            return Self { lights: half, count, ends: [colour; 2], parts: Parts::Light(light) };
+        }
+        let count_a = split(lights, order, depth);
+        let (first, second) = order.split_at_mut(count_a);
+        let [a, b] = [first, second].map(|part| Self::new(lights, part, depth + 1));
+        // The end of each half that is next to the other.
+        let gap = |[reverses_a, reverses_b]: [bool; 2]| {
+            a.ends[usize::from(!reverses_a)].distance_squared(b.ends[usize::from(reverses_b)])
+        };
+        let ways = [[false, true], [true, false], [true, true]];
+        let nearest = |best, way| if gap(way) < gap(best) { way } else { best };
+        let [reverses_a, reverses_b] = ways.into_iter().fold([false, false], nearest);
+        let ends = [a.ends[usize::from(reverses_a)], b.ends[usize::from(!reverses_b)]];
+        Self { lights: half, count, ends, parts: Parts::Halves(Box::new([(a, reverses_a), (b, reverses_b)])) }
     }
-    let count_a = split(lights, order, depth);
-    let node = nodes.len();
-    nodes.push(bytemuck::Zeroable::zeroed());
-    let (first, second) = order.split_at_mut(count_a);
-    let a = append(lights, first, depth + 1, nodes);
-    let b = append(lights, second, depth + 1, nodes);
-    let ratio =
-        (f64::from(b.intensity) / f64::from(a.intensity).max(f64::MIN_POSITIVE)).clamp(1.0 / MAX_RATIO, MAX_RATIO);
-    let scaled_axis = |cone: NormalCone| (cone.axis * (2.0 + cone.cosine)).into();
-    nodes[node] = LightNode {
-        centre_a: a.centre.into(),
-        radius_a: a.radius,
-        centre_b: b.centre.into(),
-        radius_b: b.radius,
-        axis_a: scaled_axis(a.normals),
-        intensity_ratio: ratio as f32,
-        axis_b: scaled_axis(b.normals),
-        count_a: count_a as f32,
-    };
-    bounds
+
+    /// Appends the nodes, and the lights in the order of the leaves.
+    fn append(&self, is_reversed: bool, nodes: &mut Vec<LightNode>, order: &mut Vec<u32>) {
+        let halves = match &self.parts {
+            Parts::Light(light) => return order.push(*light),
+            Parts::Halves(halves) => halves,
+        };
+        let [first, second] = halves.as_ref();
+        let [(a, reverses_a), (b, reverses_b)] = if is_reversed { [second, first] } else { [first, second] };
+        let ratio = b.lights.strength / a.lights.strength.max(f64::MIN_POSITIVE);
+        let scaled_axis = |cone: NormalCone| (cone.axis * (2.0 + cone.cosine)).into();
+        nodes.push(LightNode {
+            centre_a: a.lights.centre.into(),
+            radius_a: a.lights.radius,
+            centre_b: b.lights.centre.into(),
+            radius_b: b.lights.radius,
+            axis_a: scaled_axis(a.lights.normals),
+            intensity_ratio: ratio.clamp(1.0 / MAX_RATIO, MAX_RATIO) as f32,
+            axis_b: scaled_axis(b.lights.normals),
+            count_a: a.count as f32,
+        });
+        a.append(*reverses_a != is_reversed, nodes, order);
+        b.append(*reverses_b != is_reversed, nodes, order);
+    }
 }
 
 /// Partitions lights into two halves by the surface area orientation heuristic over bins. Returns the number in the first.
@@ -532,7 +582,7 @@ mod tests {
                 centre: Vec3::new(4.0 * x, 3.0 * y, 5.0 * z),
                 radius,
                 normals,
-                intensity: 1000f32.powf(power),
+                intensity: direction(u, power).abs() * 1000f32.powf(power),
             }
         };
         (0..count).map(light).collect()
@@ -615,7 +665,8 @@ mod tests {
 
     #[test]
     fn lights_close_to_a_segment_are_preferred() {
-        let at = |x: f32| LightBounds { centre: Vec3::X * x, radius: 0.0, normals: NormalCone::ALL, intensity: 1.0 };
+        let at =
+            |x: f32| LightBounds { centre: Vec3::X * x, radius: 0.0, normals: NormalCone::ALL, intensity: Vec3::X };
         let (tree, order) = tree(&[at(0.0), at(10.0), at(20.0), at(30.0)]);
         let ray = Ray { origin: Vec3::new(20.0, -50.0, 0.5), direction: Vec3::Y };
         // The segment passes the third light if it is long, and ends far away from all of them if it is short.
@@ -687,7 +738,8 @@ mod tests {
 
     #[test]
     fn close_lights_are_preferred() {
-        let at = |x: f32| LightBounds { centre: Vec3::X * x, radius: 0.0, normals: NormalCone::ALL, intensity: 1.0 };
+        let at =
+            |x: f32| LightBounds { centre: Vec3::X * x, radius: 0.0, normals: NormalCone::ALL, intensity: Vec3::X };
         let (tree, order) = tree(&[at(0.0), at(10.0), at(20.0), at(30.0)]);
         let second = order.iter().position(|&light| light == 1).expect("a leaf");
         let probability = tree.probability(second, Vec3::new(10.0, 1.0, 0.0), None);
@@ -695,8 +747,27 @@ mod tests {
     }
 
     #[test]
+    fn lights_of_like_colours_are_neighbours() {
+        let lights: Vec<LightBounds> = (0..256)
+            .map(|k| {
+                let [u, v, ..] = random(k);
+                let centre = Vec3::new((k % 16) as f32, 0.0, (k / 16) as f32);
+                LightBounds { centre, radius: 0.0, normals: NormalCone::ALL, intensity: direction(u, v).abs() }
+            })
+            .collect();
+        let mean_gap = |order: &[u32]| {
+            let colours = order.iter().map(|&light| lights[light as usize].intensity);
+            let gaps = colours.clone().zip(colours.skip(1)).map(|(a, b)| a.distance_squared(b));
+            gaps.sum::<f32>() / 255.0
+        };
+        let by_chance = mean_gap(&(0..256).collect::<Vec<_>>());
+        let ordered = mean_gap(&tree(&lights).1);
+        assert!(ordered < 0.75 * by_chance, "{ordered} {by_chance}");
+    }
+
+    #[test]
     fn lights_in_one_point_are_chosen_by_their_intensity() {
-        let light = LightBounds { centre: Vec3::ONE, radius: 0.0, normals: NormalCone::ALL, intensity: 2.0 };
+        let light = LightBounds { centre: Vec3::ONE, radius: 0.0, normals: NormalCone::ALL, intensity: Vec3::X * 2.0 };
         let (tree, _) = tree(&[light; 10_000]);
         assert!(depth(&tree, 0, tree.count) < 16);
         for p in [Vec3::ONE, Vec3::ZERO, Vec3::new(1e6, 0.0, 0.0)] {
@@ -714,7 +785,7 @@ mod tests {
             centre: Vec3::new(2f32.powi(-k), 0.0, 0.0),
             radius: 0.0,
             normals: NormalCone::ALL,
-            intensity: 4f32.powi(k % 20),
+            intensity: Vec3::X * 4f32.powi(k % 20),
         };
         let lights: Vec<_> = (0..120).flat_map(|k| [near(k); 40]).collect();
         let (tree, _) = tree(&lights);
