@@ -16,6 +16,9 @@ pub const MAX_SPLITTING: u32 = 8;
 /// Largest number of light samples at the first surface of a path.
 pub const MAX_LIGHT_SAMPLES: u32 = 8;
 
+/// Largest number of rays that leave the first surface of a path.
+pub const MAX_INDIRECT_SAMPLES: u32 = 8;
+
 /// Settings of one picture. On one adapter, a picture is a pure function of the scene and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -55,6 +58,10 @@ pub struct Settings {
     /// Number of light samples at the first surface of a path, from 1 to [`MAX_LIGHT_SAMPLES`]; `None` for the number that converges
     /// soonest. All are unbiased. Applies to [`Mode::Path`], to scenes without fog, media and priorities.
     pub light_samples: Option<u32>,
+    /// Number of rays that leave the first surface of a path, from 1 to [`MAX_INDIRECT_SAMPLES`], each with a path of its own
+    /// behind it; `None` for the number that converges soonest. All are unbiased. Applies where `light_samples` does, without
+    /// `splitting` and `path_reuse`; on software adapters that end loops, only to fields without loops.
+    pub indirect_samples: Option<u32>,
     /// Whether pixels share the light that their paths find at second surfaces; `None` where the picture then converges
     /// sooner. Unbiased. Applies to [`Mode::Path`] without `crop` and `clamp`, to scenes without media, bump maps and traced or
     /// fast caustics; on software adapters that end loops, only to fields without loops.
@@ -123,6 +130,12 @@ impl Settings {
                 self.light_samples.unwrap_or_default()
             ));
         }
+        if self.indirect_samples.is_some_and(|samples| !(1..=MAX_INDIRECT_SAMPLES).contains(&samples)) {
+            return fail(format!(
+                "there are {} indirect samples; there must be from 1 to {MAX_INDIRECT_SAMPLES}",
+                self.indirect_samples.unwrap_or_default()
+            ));
+        }
         if self.viewpoint.is_none() && self.camera >= scene.cameras.len() {
             return fail(format!("there is no camera of index {}; the scene has {}", self.camera, scene.cameras.len()));
         }
@@ -151,6 +164,7 @@ impl From<&RenderSettings> for Settings {
             preview_steps: PreviewSteps::default(),
             splitting: None,
             light_samples: None,
+            indirect_samples: None,
             path_reuse: None,
             emitter_edges: None,
             crop: None,

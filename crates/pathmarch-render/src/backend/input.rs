@@ -4,8 +4,9 @@ use crate::integrator::emitter_edges::{self, EmitterEdges};
 use crate::integrator::guides::Guide;
 use crate::integrator::photons;
 use crate::integrator::photons::emission::Emission;
+use crate::integrator::sample_counts_choice::{BestCounts, SampleCounts, best_sample_counts};
 use crate::integrator::splitting::camera_ray_index;
-use crate::integrator::{light_samples_choice, moments, path, path_reuse_choice, splitting_choice};
+use crate::integrator::{moments, path, path_reuse_choice, splitting_choice};
 use crate::mode::Mode;
 use crate::preview::{self, Preview};
 use crate::ray_stats::RayCounters;
@@ -110,27 +111,51 @@ impl RenderInput {
         }
     }
 
-    /// Lets pixels share light if the settings ask for it, or if the picture then converges sooner; a connection costs as much as
-    /// this number of rays.
-    pub(crate) fn choose_path_reuse(&mut self, settings: &Settings, samples: u32, connection_cost: f64) {
+    /// Lets pixels share light if the settings ask for it, or if the picture then converges sooner than with several indirect
+    /// samples; a connection costs as much as this number of rays.
+    pub(crate) fn choose_path_reuse(
+        &mut self,
+        settings: &Settings,
+        samples: u32,
+        best: &BestCounts,
+        connection_cost: f64,
+    ) {
         let is_possible = self.mode == Mode::Path
             && settings.crop.is_none()
             && settings.clamp.is_none()
             && path_reuse_choice::is_possible(&self.scene, &self.config);
         self.config.path_reuse = is_possible
             && settings.path_reuse.unwrap_or_else(|| {
-                path_reuse_choice::pays(&self.scene, &self.frame, &self.config, samples, connection_cost)
+                let config = KernelConfig { light_samples: best.light_alone, ..self.config };
+                path_reuse_choice::pays(&self.scene, &self.frame, &config, samples, best.error, connection_cost)
             });
     }
 
-    /// Chooses the number of light samples at first surfaces such that the picture converges soonest; `in_lanes` in a kernel
-    /// that may split.
-    pub(crate) fn choose_light_samples(&mut self, settings: &Settings, samples: u32, in_lanes: bool) {
-        if self.mode == Mode::Path && !self.config.media && !self.wants_guides {
-            self.config.light_samples = settings.light_samples.unwrap_or_else(|| {
-                light_samples_choice::best_light_samples(&self.scene, &self.frame, &self.config, samples, in_lanes)
-            });
+    /// Numbers of samples at first surfaces with which the picture converges soonest; `in_lanes` in a kernel that may split.
+    pub(crate) fn best_sample_counts(&self, settings: &Settings, samples: u32, in_lanes: bool) -> BestCounts {
+        if self.mode != Mode::Path || self.config.media || self.wants_guides {
+            return BestCounts::one();
         }
+        let best = || {
+            let edges = self.edges.as_deref();
+            best_sample_counts(&self.scene, &self.frame, &self.config, samples, edges, in_lanes)
+        };
+        match (settings.light_samples, settings.indirect_samples) {
+            (None, None) => best(),
+            (light, indirect) => BestCounts::given(SampleCounts {
+                light: light.unwrap_or_else(|| best().light_alone),
+                indirect: indirect.unwrap_or(1),
+            }),
+        }
+    }
+
+    /// Sets the numbers of samples at first surfaces. One indirect sample is left where pixels share light or paths share camera
+    /// rays.
+    pub(crate) fn set_sample_counts(&mut self, best: &BestCounts) {
+        let may_have_several = !self.config.path_reuse && self.config.splitting == 1;
+        let alone = SampleCounts { light: best.light_alone, indirect: 1 };
+        let counts = if may_have_several { best.counts } else { alone };
+        (self.config.light_samples, self.config.indirect_samples) = (counts.light, counts.indirect);
     }
 
     /// Traces further camera rays at the edges of emitters if the settings ask for it, or if the picture has enough `samples`

@@ -102,6 +102,11 @@ impl EmitterEdges {
         Self { width, pixels }
     }
 
+    /// True if a pixel is among them.
+    pub(crate) fn contains(&self, x: u32, y: u32) -> bool {
+        self.pixels.binary_search(&(y * self.width + x)).is_ok()
+    }
+
     /// Indices of the pixels, row by row, in ascending order.
     pub(crate) fn pixels(&self) -> &[u32] {
         &self.pixels

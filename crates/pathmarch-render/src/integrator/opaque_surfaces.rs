@@ -73,7 +73,7 @@ fn shade<B: BsdfInLanes>(
     let basis = Basis8::new(shading_normal);
     let wo = basis.local_viewer(to_viewer);
 
-    let light_samples = ctx.light_samples(surface_index);
+    let light_samples = samples.light_samples;
     let share = f32x8::splat(1.0 / light_samples as f32);
     for sample in 0..light_samples {
         let (choice, position) = nth_light_sample(sample, light_samples, choice[0], light);

@@ -177,7 +177,11 @@ fn continue_paths(
         if surface_index > ctx.frame.bounces {
             break;
         }
-        let shadow_tests = scatter(ctx, &mut paths, &vertices, scatters, surface_index, &mut radiance);
+        let shadow_tests = if surface_index == 0 && ctx.config.indirect_samples > 1 {
+            scatter_several(ctx, &mut paths, &vertices, scatters, &mut radiance)
+        } else {
+            scatter(ctx, &mut paths, &vertices, scatters, (surface_index, 0), &mut radiance)
+        };
         if let Some(recorder) = &mut recorder {
             recorder.reflections.sample_lights(&shadow_tests);
         }
@@ -202,16 +206,40 @@ fn continue_paths(
     radiance
 }
 
+/// Samples lights, and several rays that leave the first surface of each path that `scatters`. Replaces it by as many paths of
+/// which each carries its share, and returns the light samples.
+fn scatter_several(
+    ctx: &TraceContext,
+    paths: &mut Vec<Path>,
+    vertices: &[Vertex],
+    scatters: Vec<bool>,
+    radiance: &mut [Vec3],
+) -> Vec<ShadowTest> {
+    let count = ctx.config.indirect_samples;
+    let arriving = std::mem::take(paths);
+    let mut shadow_tests = Vec::new();
+    for part in 0..count {
+        let mut leaving = arriving.clone();
+        shadow_tests.extend(scatter(ctx, &mut leaving, vertices, scatters.clone(), (0, part), radiance));
+        paths.extend(leaving.into_iter().map(|path| Path {
+            sampler: path.sampler.part(part, count),
+            throughput: path.throughput / count as f32,
+            ..path
+        }));
+    }
+    shadow_tests
+}
+
 /// Samples a light and the next ray of each path that `scatters`. Removes the paths that end, and returns the light samples.
 fn scatter(
     ctx: &TraceContext,
     paths: &mut Vec<Path>,
     vertices: &[Vertex],
     mut scatters: Vec<bool>,
-    surface_index: u32,
+    (surface_index, part): (u32, u32),
     radiance: &mut [Vec3],
 ) -> Vec<ShadowTest> {
-    let samples = SurfaceSamples::new(ctx, paths, surface_index);
+    let samples = SurfaceSamples::new(ctx, paths, surface_index, part);
     let mut shadow_tests = Vec::with_capacity(paths.len());
     let mut opaque: Vec<(KindInLanes, Vec<SurfaceOfPath>)> = Vec::new();
     for (index, (vertex, scatters)) in vertices.iter().zip(&mut scatters).enumerate() {
@@ -381,9 +409,8 @@ fn shade(
         let (vertex, normal) = (path.previous_vertex, path.previous_normal);
         // Photons have already contributed the others.
         let is_needed = |shape| !(focuses && path.met_photons && ctx.scene.starts_light_paths(shape));
-        let light_samples = ctx.light_samples(surface_index);
-        for sample in 0..light_samples {
-            let (choice, position) = nth_light_sample(sample, light_samples, light_choice, samples.light);
+        for sample in 0..samples.light_samples {
+            let (choice, position) = nth_light_sample(sample, samples.light_samples, light_choice, samples.light);
             let Some(chosen) = light_sampling::choose_light(ctx, vertex, normal, choice) else { continue };
             if !is_needed(chosen.shape) {
                 continue;
@@ -396,7 +423,7 @@ fn shade(
             }
             let evaluated = (bsdf.eval)(parameters, wo, wi, inside);
             if evaluated.value.max_element() > 0.0 {
-                let radiance = path.throughput * evaluated.value * light.irradiance / light_samples as f32;
+                let radiance = path.throughput * evaluated.value * light.irradiance / samples.light_samples as f32;
                 let origin = p + if is_transmission { -normal_offset } else { normal_offset };
                 shadow_tests.push(ShadowTest {
                     medium: if is_transmission { medium_beyond_surface(&path.medium) } else { path.medium },
@@ -405,7 +432,7 @@ fn shade(
             }
         }
     }
-    if let Some(photons) = ctx.photons.filter(|_| !focuses) {
+    if let Some(photons) = ctx.photons.filter(|_| !focuses && samples.light_samples > 0) {
         let reflect = |direction: Vec3| {
             let wi = local_from_world * direction;
             let arrives = (wi.z > 0.0 || transmits) && !crosses_surface(wi, direction);

@@ -39,6 +39,9 @@ fn survives(path: ptr<function, Path>, random: f32) -> bool {
     return true;
 }
 
+/// Number of the ray that leaves the first surface, below INDIRECT_SAMPLES. Lights are sampled with the first.
+var<private> part: u32;
+
 /// Samples a light at the surface of a path, and the next ray. Returns false if the path ends.
 fn path_scatter(path: ptr<function, Path>) -> bool {
     if PARTICIPATING_MEDIA && (*path).is_in_medium {
@@ -51,8 +54,11 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     let flags = material_at(m).flags;
     record_scattering(m, surface_index, (*path).radiance);
     evaluate_textures(m, interaction, (*path).length);
+    let is_further = INDIRECT_SAMPLES > 1u && surface_index == 0u && part > 0u;
     if HAS_GLOW && (flags & GLOWS) != 0u {
-        add_emission(path, interaction, emission_at(m));
+        if !is_further {
+            add_emission(path, interaction, emission_at(m));
+        }
         if surface_index > frame.bounces {
             return false;
         }
@@ -68,10 +74,14 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     let medium_beyond_surface = medium_after((*path).medium, interaction.leaf, interaction.inside);
     let pair = PAIR_SURFACE + PAIRS_PER_SURFACE * surface_index;
     let choice = sample_2d((*path).sampler, pair + PAIR_CHOICE);
+    var leaving = (*path).sampler;
+    if INDIRECT_SAMPLES > 1u && surface_index == 0u {
+        leaving.sample = leaving.sample * INDIRECT_SAMPLES + part;
+    }
     if NESTED_DIELECTRICS {
-        refract_at(path, interaction.leaf, sample_2d((*path).sampler, pair + PAIR_LOBE).y);
+        refract_at(path, interaction.leaf, sample_2d(leaving, pair + PAIR_LOBE).y);
     } else if DISPERSION && (flags & DISPERSES) != 0u {
-        disperse(path, sample_2d((*path).sampler, pair + PAIR_LOBE).y);
+        disperse(path, sample_2d(leaving, pair + PAIR_LOBE).y);
     }
     let focuses = TRACED_CAUSTICS && (flags & FOCUSES) != 0u;
     let previous_vertex = (*path).previous_vertex;
@@ -80,7 +90,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
         (*path).previous_vertex = select(spawn_origin(interaction, false), interaction.p, transmits);
         (*path).previous_normal = select(ns, vec3f(0.0), transmits);
         let position = sample_2d((*path).sampler, pair + PAIR_LIGHT);
-        let light_samples = select(1u, LIGHT_SAMPLES, surface_index == 0u);
+        let light_samples = select(select(1u, LIGHT_SAMPLES, surface_index == 0u), 0u, is_further);
         for (var k = 0u; k < light_samples; k++) {
             let number = nth_light_choice(k, light_samples, choice.x);
             let chosen = chosen_light((*path).previous_vertex, (*path).previous_normal, number);
@@ -109,7 +119,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
             }
         }
     }
-    if TRACED_CAUSTICS && !focuses {
+    if TRACED_CAUSTICS && !focuses && !is_further {
         let seed = unstratified_seed((*path).sampler, surface_index);
         let offset = interaction.p - previous_vertex;
         var footprint = select(0.0, dot(offset, offset) / previous_pdf, previous_pdf > 0.0);
@@ -117,9 +127,9 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
         let caustics = photon_radiance(m, interaction, wo, world_from_local, transmits, footprint, surface_index, seed);
         (*path).radiance += clamped((*path).throughput * caustics, surface_index);
     }
-    var u = vec3f(sample_2d((*path).sampler, pair + PAIR_SCATTER), 0.0);
+    var u = vec3f(sample_2d(leaving, pair + PAIR_SCATTER), 0.0);
     if CHOOSES_LOBES {
-        u.z = sample_2d((*path).sampler, pair + PAIR_LOBE).x;
+        u.z = sample_2d(leaving, pair + PAIR_LOBE).x;
     }
     let scattered = bsdf_sample(material_at(m).kind, m, wo, interaction.inside, u);
     if scattered.pdf < 0.0 {
@@ -151,14 +161,44 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
         (*path).lights_are_counted = focuses && (*path).met_photons;
     }
     (*path).scatter_pdf = scattered.pdf;
+    if INDIRECT_SAMPLES > 1u && surface_index == 0u {
+        (*path).throughput /= f32(INDIRECT_SAMPLES);
+        (*path).sampler = leaving;
+    }
     (*path).surfaces += 1u;
     return true;
+}
+
+/// Film value of one sample of a pixel, with several rays that leave the first surface. A lane whose path has ended takes the next
+/// of them, so that lanes do not wait for each other.
+fn several_estimates(camera_path: Path) -> vec3f {
+    var path = camera_path;
+    if !path_intersect(&path) {
+        return film_value(path.radiance);
+    }
+    let first = path;
+    part = 0u;
+    loop {
+        if !path_scatter(&path) || !path_intersect(&path) {
+            part++;
+            if part >= INDIRECT_SAMPLES {
+                break;
+            }
+            let radiance = path.radiance;
+            path = first;
+            path.radiance = radiance;
+        }
+    }
+    return film_value(path.radiance);
 }
 
 /// Film value of one sample of a pixel.
 fn estimate(camera: Ray, sampler: PixelSampler) -> vec3f {
     begin_guide(camera);
     var path = path_from(camera, sampler);
+    if INDIRECT_SAMPLES > 1u {
+        return several_estimates(path);
+    }
     loop {
         let is_hit = path_intersect(&path);
         record_arrival(path.length);

@@ -48,12 +48,13 @@ pub(crate) fn is_possible(scene: &RenderScene, config: &KernelConfig) -> bool {
 }
 
 /// True if a picture with this number of samples a pixel converges sooner with path reuse, if a connection costs as much as
-/// this number of rays.
+/// this number of rays. `rival` is the error after the same time by other means, as a share of that of this configuration.
 pub(crate) fn pays(
     scene: &RenderScene,
     frame: &FrameUniforms,
     config: &KernelConfig,
     samples: u32,
+    rival: f64,
     connection_cost: f64,
 ) -> bool {
     let [width, height] = frame.size();
@@ -84,7 +85,7 @@ pub(crate) fn pays(
     // By either measure.
     [0, 1].into_iter().any(|measure| {
         let sum = |side: usize| variances.iter().map(|tile| tile[measure][side]).sum::<f64>();
-        sum(1) * shared_cost < (1.0 - MIN_GAIN) * sum(0) * cost
+        sum(1) * shared_cost < (1.0 - MIN_GAIN) * rival * sum(0) * cost
     })
 }
 
@@ -99,7 +100,7 @@ fn noise_of_tile(ctx: &TraceContext, tile: u32) -> Vec<Noise> {
     let top = corner(tile / PROBE_GRID[0], PROBE_GRID[1], height);
     let pixels: Vec<(u32, u32)> =
         (top..top + REUSE_TILE).flat_map(|y| (left..left + REUSE_TILE).map(move |x| (x, y))).collect();
-    probe::noise_of_successive(ctx, &pixels, PROBE_SAMPLES)
+    probe::noise(ctx, &pixels, PROBE_SAMPLES)
 }
 
 /// Radiance around each pixel of a tile: that of its neighbours or of the tile, whichever is brighter. Its own samples do not

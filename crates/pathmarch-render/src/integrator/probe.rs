@@ -6,7 +6,7 @@ use crate::metrics::RELMSE_EPSILON;
 use crate::ray_stats::RayCounters;
 use crate::sampling::sobol::hash;
 use crate::scene::{FrameUniforms, TraceContext};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use pathmarch_scene::Sampler;
 
 /// Largest variance of a pixel of a probe, relative to the square of its own mean, so that none dominates.
@@ -51,22 +51,9 @@ pub(super) struct Noise {
     pub(super) variance: DVec3,
 }
 
-/// Noise of this number of samples of each of these pixels, which do not share camera rays.
-pub(super) fn noise(ctx: &TraceContext, pixels: &[(u32, u32)], samples: u32) -> Vec<Noise> {
-    let values: Vec<Vec<Vec3>> = (0..samples).map(|sample| path::trace(ctx, pixels, sample, 1)).collect();
-    let count = f64::from(samples);
-    let noise_of_pixel = |pixel: usize| {
-        let samples = || values.iter().map(|sample| sample[pixel].as_dvec3());
-        let mean = samples().sum::<DVec3>() / count;
-        let variance = samples().map(|value| (value - mean) * (value - mean)).sum::<DVec3>() / (count - 1.0);
-        Noise { mean, variance }
-    };
-    (0..pixels.len()).map(noise_of_pixel).collect()
-}
-
 /// Noise of one of this number of successive samples of each of these pixels: their mean has the variance over the number. It is
 /// that between two seeds, so that the order in the samples of a pixel and its neighbours counts.
-pub(super) fn noise_of_successive(ctx: &TraceContext, pixels: &[(u32, u32)], samples: u32) -> Vec<Noise> {
+pub(super) fn noise(ctx: &TraceContext, pixels: &[(u32, u32)], samples: u32) -> Vec<Noise> {
     let means = [1, 2].map(|seed| {
         let frame = FrameUniforms { seed: hash(ctx.frame.seed ^ seed), ..*ctx.frame };
         let ctx = TraceContext { frame: &frame, ..*ctx };

@@ -178,7 +178,7 @@ type Motion<'a> = (&'a Arc<Mutex<Animation>>, Shutter);
 impl Renderer {
     /// Starts a picture of one moment in which every tile of 32 by 32 pixels has an estimated relative error below `noise`. The
     /// settings' `samples` are the largest number for a pixel, `first_sample`, `splitting`, `light_samples`,
-    /// `path_reuse` and `emitter_edges` are ignored.
+    /// `indirect_samples`, `path_reuse` and `emitter_edges` are ignored.
     ///
     /// # Errors
     /// Those of [`start`](Self::start), and [`RenderError::Settings`] if the mode is not [`Mode::Path`] or `noise` is not from
@@ -227,6 +227,7 @@ impl Renderer {
             whole_samples: None,
             splitting: Some(1),
             light_samples: Some(1),
+            indirect_samples: Some(1),
             path_reuse: Some(false),
             emitter_edges: Some(false),
             samples: most,

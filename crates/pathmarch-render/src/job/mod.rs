@@ -204,10 +204,11 @@ impl Renderer {
             }
         }
         let samples = settings.whole_samples.unwrap_or(settings.samples);
-        input.choose_light_samples(settings, samples, false);
-        input.choose_path_reuse(settings, samples, CPU_CONNECTION_COST);
         input.choose_emitter_edges(settings, samples);
-        if settings.splitting.is_none() && !input.config.path_reuse {
+        let best = input.best_sample_counts(settings, samples, false);
+        input.choose_path_reuse(settings, samples, &best, CPU_CONNECTION_COST);
+        input.set_sample_counts(&best);
+        if settings.splitting.is_none() && !input.config.path_reuse && input.config.indirect_samples == 1 {
             input.choose_splitting(samples, false);
         }
         let job = CpuJob::new(input, settings.first_sample).cropped(settings.rect());
@@ -229,16 +230,19 @@ fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -
     // Paths that share a camera ray cannot be resumed on adapters that end loops, see backend/gpu/loop_limit.rs.
     let limited = gpu.is_software() && input.scene.field.has_loops();
     let samples = settings.whole_samples.unwrap_or(settings.samples);
-    input.choose_light_samples(settings, samples, !limited);
-    if !limited {
+    input.choose_emitter_edges(settings, samples);
+    let best = input.best_sample_counts(settings, samples, !limited);
+    if limited {
+        input.config.light_samples = best.light_alone;
+    } else {
         if input.config.splitting <= path_reuse::MAX_SPLITTING {
-            input.choose_path_reuse(settings, samples, kernel_connection_cost(gpu.is_software()));
+            input.choose_path_reuse(settings, samples, &best, kernel_connection_cost(gpu.is_software()));
         }
-        if settings.splitting.is_none() {
+        input.set_sample_counts(&best);
+        if settings.splitting.is_none() && input.config.indirect_samples == 1 {
             input.choose_splitting(samples, true);
         }
     }
-    input.choose_emitter_edges(settings, samples);
     Ok(GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::OFFLINE)?.cropped(settings.rect()))
 }
 

@@ -154,6 +154,7 @@ impl MotionBlur {
             first_sample: first,
             samples,
             light_samples: Some(self.settings.light_samples.unwrap_or(1)),
+            indirect_samples: Some(self.settings.indirect_samples.unwrap_or(1)),
             path_reuse: Some(false),
             emitter_edges: Some(false),
             ..self.settings.clone()

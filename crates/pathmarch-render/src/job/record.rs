@@ -61,6 +61,15 @@ impl Job {
         }
     }
 
+    /// Number of rays that leave the first surface of a path, see
+    /// [`Settings::indirect_samples`](crate::Settings::indirect_samples).
+    pub fn indirect_samples(&self) -> u32 {
+        match &self.work {
+            Work::Still(tracer) => tracer.config().indirect_samples,
+            Work::Moving(_) => self.settings.indirect_samples.unwrap_or(1),
+        }
+    }
+
     /// True if pixels share light, see [`Settings::path_reuse`](crate::Settings::path_reuse).
     pub fn reuses_paths(&self) -> bool {
         matches!(&self.work, Work::Still(tracer) if tracer.config().path_reuse)

@@ -158,6 +158,11 @@ impl PixelSampler {
         Self { sample, ..self }
     }
 
+    /// Random numbers of part `k` of `count` of a sample, where samples have as many parts.
+    pub(crate) fn part(self, k: u32, count: u32) -> Self {
+        Self { sample: self.sample.wrapping_mul(count).wrapping_add(k), ..self }
+    }
+
     /// Point of a pair of dimensions, uniform in the unit square.
     pub(crate) fn sample_2d(self, pair: u32) -> [f32; 2] {
         if self.independent { self.independent_2d(pair) } else { self.sobol_2d(pair) }

@@ -14,10 +14,3 @@ pub(crate) struct TraceContext<'a> {
     /// Counters of rays and field evaluations; none where nobody asks for statistics.
     pub(crate) stats: Option<&'a RayCounters>,
 }
-
-impl TraceContext<'_> {
-    /// Number of light samples at a surface of a path.
-    pub(crate) fn light_samples(&self, surface_index: u32) -> u32 {
-        if surface_index == 0 { self.config.light_samples } else { 1 }
-    }
-}

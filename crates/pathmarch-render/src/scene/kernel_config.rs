@@ -66,6 +66,8 @@ pub(crate) struct KernelConfig {
     pub(crate) splitting: u32,
     /// Light samples at the first surface of a path; one elsewhere.
     pub(crate) light_samples: u32,
+    /// Rays that leave the first surface of a path, each with a path of its own behind it; one elsewhere.
+    pub(crate) indirect_samples: u32,
     /// Pixels share the light at second surfaces, see [`path_reuse`](crate::integrator::path_reuse).
     pub(crate) path_reuse: bool,
     /// On a software adapter, the numbers of the field and of the frame are constants of the kernel, so that it suits one
@@ -110,6 +112,7 @@ impl KernelConfig {
             relaxation: RELAXATION,
             splitting: if settings.mode == Mode::Path { settings.splitting.unwrap_or(1) } else { 1 },
             light_samples: 1,
+            indirect_samples: 1,
             path_reuse: false,
             constant_numbers: false,
             refined_grazing: scene.has_sphere_traced_emitter(),

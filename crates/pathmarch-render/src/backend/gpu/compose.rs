@@ -236,6 +236,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("SAMPLER", input.frame.sampler),
         ("SPLITTING", config.splitting),
         ("LIGHT_SAMPLES", config.light_samples),
+        ("INDIRECT_SAMPLES", config.indirect_samples),
         ("SKY", encode::sky_kind(&scene.sky) as u32),
         ("SKY_DATA", data.sky as u32),
         ("LIGHT_TREE_DATA", data.light_tree as u32),

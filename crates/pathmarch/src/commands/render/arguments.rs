@@ -15,7 +15,9 @@ use pathmarch_render::image::ImageFormat;
 use pathmarch_render::parts::Rect;
 use pathmarch_render::pathmarch_scene::{Camera, RenderSettings, Scene, settings};
 use pathmarch_render::tonemap::Display;
-use pathmarch_render::{MAX_LIGHT_SAMPLES, MAX_NOISE, MAX_SPLITTING, MIN_NOISE, Mode, PreviewStep, Settings, Shutter};
+use pathmarch_render::{
+    MAX_INDIRECT_SAMPLES, MAX_LIGHT_SAMPLES, MAX_NOISE, MAX_SPLITTING, MIN_NOISE, Mode, PreviewStep, Settings, Shutter,
+};
 use std::path::{Path, PathBuf};
 
 /// Exposure of a picture.
@@ -84,6 +86,9 @@ pub struct Arguments {
     /// Light samples where a path starts, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_LIGHT_SAMPLES)), allow_hyphen_values = true)]
     pub(super) light_samples: Option<u32>,
+    /// Rays that leave where a path starts, 1 to 8 [default: chosen for the fastest convergence]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_INDIRECT_SAMPLES)), allow_hyphen_values = true)]
+    pub(super) indirect_samples: Option<u32>,
     /// Pixels share light that their paths find: on or off [default: on where the picture then converges sooner]
     #[arg(long, value_name = "on|off", value_parser = parse_switch)]
     pub(super) path_reuse: Option<bool>,
@@ -287,6 +292,7 @@ impl Arguments {
             mode,
             splitting,
             light_samples: self.light_samples,
+            indirect_samples: self.indirect_samples,
             path_reuse: self.path_reuse,
             emitter_edges: self.emitter_edges,
             crop,
@@ -380,6 +386,7 @@ impl Arguments {
                 (self.render.sample_range().is_some(), "a range of --samples"),
                 (self.splitting.is_some(), "--splitting"),
                 (self.light_samples.is_some(), "--light-samples"),
+                (self.indirect_samples.is_some(), "--indirect-samples"),
                 (self.path_reuse.is_some(), "--path-reuse"),
                 (self.emitter_edges.is_some(), "--emitter-edges"),
                 (film, "a .film"),
