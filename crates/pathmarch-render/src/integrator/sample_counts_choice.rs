@@ -3,9 +3,9 @@
 //! **Idea.** Where much of the noise is direct light of many lamps, several light samples at the first surface are cheaper than as
 //! many paths. They are stratified: each chooses among another part of the lights. Then one more ray that leaves the surface is
 //! cheap beside them: several of these, each with a path of its own behind it, are the indirect samples. [`best_sample_counts`]
-//! renders some pixels of the picture with 1, 2, 4 and 8 light samples and with four indirect samples, and compares the products of
-//! variance and cost. There are at most half as many indirect samples as light samples: where most noise is indirect light,
-//! [`splitting`](super::splitting) and [`path_reuse`](super::path_reuse) reduce it.
+//! renders some pixels of the picture with several numbers of both, and compares the errors after the same time. There are fewer
+//! indirect samples than light samples: where most noise is indirect light, [`splitting`](super::splitting) and
+//! [`path_reuse`](super::path_reuse) reduce it.
 //!
 //! Successive samples of the picture's sampler are rendered, because direct light converges faster than independent samples tell.
 //! Pixels at edges of emitters do not count if they have further camera rays.
@@ -13,27 +13,27 @@
 //! **Source.** Splitting where it reduces the error for the same cost: Arvo and Kirk 1990, "Particle Transport and Image
 //! Synthesis", section 5.
 //!
-//! **Cost.** 46,000 paths on the CPU, for pictures of at least a hundred times as many.
+//! **Cost.** 56,000 paths on the CPU, for pictures of at least eighty times as many.
 
 use super::emitter_edges::EmitterEdges;
 use super::probe::{self, Noise};
 use crate::ray_stats::RayCounters;
 use crate::scene::{FrameUniforms, KernelConfig, RenderScene, TraceContext};
-use crate::settings::MAX_LIGHT_SAMPLES;
 use rayon::prelude::*;
 
 /// Columns and rows of probed pixels.
-const PROBE_GRID: [u32; 2] = [32, 18];
+const PROBE_GRID: [u32; 2] = [40, 22];
 /// Successive samples of each probed pixel, with each of two seeds.
 const PROBE_SAMPLES: u32 = 8;
-/// Numbers of light samples that are compared, and of indirect samples.
-const CANDIDATES: [u32; 4] = [1, 2, 4, MAX_LIGHT_SAMPLES];
-/// Number of indirect samples of the probe that tells their share of the noise.
-const PROBED_INDIRECT_SAMPLES: u32 = 4;
+/// Numbers of samples that are compared, the costlier ones last. Eight light samples converge no faster than four.
+const CANDIDATES: [SampleCounts; 4] =
+    [SampleCounts::ONE, SampleCounts::of(2, 1), SampleCounts::of(4, 1), SampleCounts::of(4, 2)];
+/// Power of the number of samples by which errors fall, measured with 6 to 44 samples.
+const CONVERGENCE: f64 = 1.25;
 /// Smallest number of paths of a picture for each path of the probe.
-const MIN_PATHS_PER_PROBE_PATH: f64 = 100.0;
+const MIN_PATHS_PER_PROBE_PATH: f64 = 80.0;
 /// Smallest relative reduction of the error that justifies more samples.
-const MIN_GAIN: f64 = 0.1;
+const MIN_GAIN: f64 = 0.05;
 /// Cost of a sample more in a kernel whose lanes take a new path when theirs has ended, in those on the CPU: where lanes are at
 /// different surfaces, all wait for those at the first. On llvmpipe 5 to 6.
 const COST_IN_LANES: f64 = 6.0;
@@ -46,7 +46,11 @@ pub(crate) struct SampleCounts {
 }
 
 impl SampleCounts {
-    const ONE: Self = Self { light: 1, indirect: 1 };
+    const ONE: Self = Self::of(1, 1);
+
+    const fn of(light: u32, indirect: u32) -> Self {
+        Self { light, indirect }
+    }
 }
 
 /// Choice of the numbers of samples.
@@ -81,7 +85,7 @@ pub(crate) fn best_sample_counts(
     edges: Option<&EmitterEdges>,
     in_lanes: bool,
 ) -> BestCounts {
-    let probes = 2 * PROBE_SAMPLES * (CANDIDATES.len() as u32 + 1);
+    let probes = 2 * PROBE_SAMPLES * CANDIDATES.len() as u32;
     let probe_paths = f64::from(PROBE_GRID[0] * PROBE_GRID[1] * probes);
     if scene.lights.len() < 2 || probe::path_count(frame, samples) < MIN_PATHS_PER_PROBE_PATH * probe_paths {
         return BestCounts::one();
@@ -97,36 +101,19 @@ pub(crate) fn best_sample_counts(
         let noise: Vec<Noise> = rows.flat_map_iter(|row| probe::noise(&ctx, row, PROBE_SAMPLES)).collect();
         (probe::own_variance(&noise), probe::cost(&counters))
     };
-    let of_light_samples = CANDIDATES.map(|light| variance_and_cost(SampleCounts { light, indirect: 1 }));
-    // With most light samples, so that their noise hides little.
-    let [(_, cost), .., (most_variance, most_cost)] = of_light_samples;
-    let indirect = PROBED_INDIRECT_SAMPLES;
-    let (least_variance, more_cost) = variance_and_cost(SampleCounts { light: MAX_LIGHT_SAMPLES, indirect });
-    let probed = f64::from(indirect);
-    // Variance that indirect samples reduce, and the cost of one.
-    let indirect_variance = ((most_variance - least_variance) / (1.0 - 1.0 / probed)).max(0.0);
-    let indirect_cost = (more_cost - most_cost) / (probed - 1.0);
+    let tried = CANDIDATES.map(variance_and_cost);
+    let least_cost = tried[0].1;
     let cost_of_more = if in_lanes { COST_IN_LANES } else { 1.0 };
-    let error = |(light, indirect): (usize, usize)| {
-        let (variance_of_light, cost_of_light) = of_light_samples[light];
-        let rays = f64::from(CANDIDATES[indirect]);
-        let variance = variance_of_light - indirect_variance * (1.0 - 1.0 / rays);
-        let more = cost_of_light - cost + indirect_cost * (rays - 1.0);
-        variance.max(0.0) * (cost + cost_of_more * more)
-    };
-    let indices = 0..CANDIDATES.len();
-    let alone = best_among(indices.clone().map(|light| (light, 0)), error);
-    let halves = indices.flat_map(|light| (0..light.max(1)).map(move |indirect| (light, indirect)));
-    let best = best_among(halves, error);
+    let errors = tried.map(|(variance, cost)| {
+        let cost = least_cost + cost_of_more * (cost - least_cost);
+        variance * cost.powf(CONVERGENCE)
+    });
+    let better = |best: usize, k: usize| if errors[k] < (1.0 - MIN_GAIN) * errors[best] { k } else { best };
+    let best = (0..CANDIDATES.len()).fold(0, better);
+    let alone = (0..CANDIDATES.len()).filter(|&k| CANDIDATES[k].indirect == 1).fold(0, better);
     BestCounts {
-        counts: SampleCounts { light: CANDIDATES[best.0], indirect: CANDIDATES[best.1] },
-        light_alone: CANDIDATES[alone.0],
-        error: if error(alone) > 0.0 { error(best) / error(alone) } else { 1.0 },
+        counts: CANDIDATES[best],
+        light_alone: CANDIDATES[alone].light,
+        error: if errors[alone] > 0.0 { errors[best] / errors[alone] } else { 1.0 },
     }
-}
-
-/// Pair of indices of numbers of light samples and of indirect samples with the least error, the costlier ones last.
-fn best_among(pairs: impl Iterator<Item = (usize, usize)>, error: impl Fn((usize, usize)) -> f64) -> (usize, usize) {
-    let better = |best, pair| if error(pair) < (1.0 - MIN_GAIN) * error(best) { pair } else { best };
-    pairs.fold((0, 0), better)
 }

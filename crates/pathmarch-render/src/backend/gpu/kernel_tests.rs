@@ -8,6 +8,7 @@
 use super::KernelSource;
 use crate::backend::RenderInput;
 use crate::integrator::emitter_edges::EmitterEdges;
+use crate::integrator::sample_counts_choice::BestCounts;
 use crate::mode::Mode;
 use crate::settings::Settings;
 use naga::back::{glsl, hlsl, msl, spv};
@@ -218,14 +219,14 @@ fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) ->
     let settings = Settings { size: [8, 8], mode, splitting, path_reuse: Some(true), ..Settings::of(scene) };
     let mut input = RenderInput::new(scene, &settings).with_guides();
     if splitting == Some(4) {
-        input.choose_path_reuse(&settings, settings.samples, 1.0);
+        input.choose_path_reuse(&settings, settings.samples, &BestCounts::one(), 1.0);
         input.config.constant_numbers = true;
     }
     let source = KernelSource::for_adapter(&input, software);
     let mut sources: Vec<String> = [Some(source.code), source.coverage].into_iter().flatten().collect();
     if mode == Mode::Path && splitting.unwrap_or(1) == 1 && !input.config.media {
         let mut input = RenderInput::new(scene, &settings);
-        input.config.light_samples = 4;
+        (input.config.light_samples, input.config.indirect_samples) = (4, 2);
         input.edges = Some(Arc::new(EmitterEdges::at(8, vec![5, 12])));
         let source = KernelSource::for_adapter(&input, software);
         sources.extend([Some(source.code), source.edges].into_iter().flatten());
