@@ -240,7 +240,7 @@ fn scatter(
     radiance: &mut [Vec3],
 ) -> Vec<ShadowTest> {
     let samples = SurfaceSamples::new(ctx, paths, surface_index, part);
-    let mut shadow_tests = Vec::with_capacity(paths.len());
+    let mut shadow_tests = Vec::with_capacity(paths.len() * samples.light_samples as usize);
     let mut opaque: Vec<(KindInLanes, Vec<SurfaceOfPath>)> = Vec::new();
     for (index, (vertex, scatters)) in vertices.iter().zip(&mut scatters).enumerate() {
         if !*scatters {

@@ -13,7 +13,7 @@
 //! **Source.** Splitting where it reduces the error for the same cost: Arvo and Kirk 1990, "Particle Transport and Image
 //! Synthesis", section 5.
 //!
-//! **Cost.** 56,000 paths on the CPU, for pictures of at least eighty times as many.
+//! **Cost.** 56,000 paths on the CPU, for pictures of at least forty times as many.
 
 use super::emitter_edges::EmitterEdges;
 use super::probe::{self, Noise};
@@ -31,7 +31,7 @@ const CANDIDATES: [SampleCounts; 4] =
 /// Power of the number of samples by which errors fall, measured with 6 to 44 samples.
 const CONVERGENCE: f64 = 1.25;
 /// Smallest number of paths of a picture for each path of the probe.
-const MIN_PATHS_PER_PROBE_PATH: f64 = 80.0;
+const MIN_PATHS_PER_PROBE_PATH: f64 = 40.0;
 /// Smallest relative reduction of the error that justifies more samples.
 const MIN_GAIN: f64 = 0.05;
 /// Cost of a sample more in a kernel whose lanes take a new path when theirs has ended, in those on the CPU: where lanes are at

@@ -307,8 +307,10 @@ struct Halves<N> {
 
 impl<N: Real> Halves<N> {
     /// Halves of a node, from its 16 numbers.
-    fn new(numbers: [N; 16]) -> Self {
-        let [ax, ay, az, radius_a, bx, by, bz, radius_b, i, j, k, intensity_ratio, l, m, n, _] = numbers;
+    #[inline(always)]
+    fn new([first, second]: [[N; 8]; 2]) -> Self {
+        let [ax, ay, az, radius_a, bx, by, bz, radius_b] = first;
+        let [i, j, k, intensity_ratio, l, m, n, _] = second;
         Self {
             centres: [FieldVec3::new(ax, ay, az), FieldVec3::new(bx, by, bz)],
             radii: [radius_a, radius_b],
@@ -348,10 +350,13 @@ impl LightTree {
     /// Nodes of eight lanes, and the number of lights in half `a` of each.
     #[inline(always)]
     fn halves_in_lanes(&self, nodes: [u32; 8]) -> (Halves<f32x8>, f32x8) {
-        let rows: [[[f32; 8]; 2]; 8] = nodes.map(|node| bytemuck::cast(self.nodes[node as usize]));
-        let [first, second] = [0, 1].map(|half| f32x8::transpose(rows.map(|row| f32x8::from(row[half]))));
-        let numbers = std::array::from_fn(|k| if k < 8 { first[k] } else { second[k - 8] });
-        (Halves::new(numbers), second[7])
+        let mut rows = [[f32x8::ZERO; 8]; 2];
+        for (lane, node) in nodes.into_iter().enumerate() {
+            let numbers: &[[f32; 8]; 2] = bytemuck::cast_ref(&self.nodes[node as usize]);
+            (rows[0][lane], rows[1][lane]) = (f32x8::from(numbers[0]), f32x8::from(numbers[1]));
+        }
+        let second = f32x8::transpose(rows[1]);
+        (Halves::new([f32x8::transpose(rows[0]), second]), second[7])
     }
 
     /// Chooses a light for each of eight points as [`sample`](Self::sample) does, for surfaces that are lit on one side. Returns
