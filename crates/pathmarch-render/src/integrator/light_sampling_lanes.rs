@@ -152,7 +152,7 @@ pub(super) fn sample_directions(
     if let Some((points, lanes)) = lights.of_kind(point) {
         samples.set(lanes, &sample_points(points, p));
     }
-    samples.pdf = samples.pdf * lights.pmf;
+    samples.pdf *= lights.pmf;
     samples.irradiance = samples.irradiance * lights.inverse_pmf;
     let is_other = |&lane: &usize| {
         let shape = lights.shapes[lane];

@@ -5,6 +5,8 @@ pub(crate) type MissingWord = (&'static str, &'static str);
 
 const BOOLEAN: &str = "Use `union`, `subtract` or `intersect`; `smooth=` blends them.";
 const EMITTER: &str = "Give a `rect`, `disc` or `sphere` a material that emits: material \"lamp\" { emit 8 }.";
+const EMISSION: &str =
+    "Use `emit` for a material that only emits: emit 8; and `emission` beside another: diffuse 0.5; emission 2.";
 const VOLUME: &str =
     "Use `fog { scatter 0.1 }` for the whole scene, or a material without a surface: material \"smoke\" { medium 2 }.";
 const NORMAL_MAP: &str = "Use `bump` with a texture: bump { fbm size=0.05 height=0.005 }.";
@@ -39,8 +41,8 @@ pub(crate) const MISSING_WORDS: &[MissingWord] = &[
     ("directional", "Use `sun { direction x y z; irradiance r g b }`."),
     ("displacement", "Use `displace` for the shape, or `bump` of a material for its look."),
     ("dof", "Use `lens radius=0.02 focus=3` of a camera."),
-    ("emission", "Use `emit`: material \"lamp\" { emit 8 }."),
-    ("emissive", "Use `emit`: material \"lamp\" { emit 8 }."),
+    ("emission", EMISSION),
+    ("emissive", EMISSION),
     ("environment", "Use a sky with a picture: sky \"studio.hdr\"."),
     ("envmap", "Use a sky with a picture: sky \"studio.hdr\"."),
     ("eta", "Use `ior`."),
