@@ -30,9 +30,17 @@ fn cornell_box() -> Scene {
 }
 
 fn settings(scene: &Scene, samples: u32, seed: u32, path_reuse: bool) -> Settings {
-    // Not a multiple of the tiles' size.
-    let size = [61, 37];
-    Settings { size, samples, seed, splitting: Some(1), path_reuse: Some(path_reuse), ..Settings::of(scene) }
+    Settings {
+        // Not a multiple of the tiles' size.
+        size: [61, 37],
+        samples,
+        seed,
+        splitting: Some(1),
+        // Path reuse alone is compared.
+        light_samples: Some(1),
+        path_reuse: Some(path_reuse),
+        ..Settings::of(scene)
+    }
 }
 
 fn pictures_are_the_same() {
