@@ -19,7 +19,7 @@
 //! **Limits.** Caustics of rougher surfaces, of `principled` metal and glass, and light that media scatter on its way
 //! are found by camera paths alone. A camera path and a photon that both disperse have a wavelength each.
 //!
-//! **Cost.** A quarter as many light paths as the picture has pixels, for each sample, on the CPU on both backends.
+//! **Cost.** Half as many light paths as the picture has pixels, for each sample, on the CPU on both backends.
 //! Scenes without focusing surfaces pay nothing.
 
 pub(crate) mod emission;
@@ -29,9 +29,9 @@ use crate::scene::{PhotonMap, TraceContext};
 use emission::Emission;
 
 /// Pixels for each light path.
-const PIXELS_PER_PATH: u32 = 4;
+const PIXELS_PER_PATH: u32 = 2;
 /// Smallest and largest number of light paths of a sample.
-const PATHS: [u32; 2] = [1 << 12, 1 << 18];
+const PATHS: [u32; 2] = [1 << 12, 1 << 19];
 
 /// Number of light paths of each sample of a picture of this size.
 pub(crate) fn path_count([width, height]: [u32; 2]) -> u32 {
