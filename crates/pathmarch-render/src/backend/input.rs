@@ -103,9 +103,10 @@ impl RenderInput {
         only_frame_changes
     }
 
-    /// Chooses the number of paths that share a camera ray such that the picture converges soonest; `in_lanes` on a GPU.
-    pub(crate) fn choose_splitting(&mut self, samples: u32, in_lanes: bool) {
-        if self.mode == Mode::Path {
+    /// Chooses the number of paths that share a camera ray such that the picture converges soonest, unless the settings tell it or
+    /// several rays leave first surfaces; `in_lanes` on a GPU.
+    pub(crate) fn choose_splitting(&mut self, settings: &Settings, samples: u32, in_lanes: bool) {
+        if self.mode == Mode::Path && settings.splitting.is_none() && self.config.indirect_samples == 1 {
             self.config.splitting =
                 splitting_choice::best_splitting(&self.scene, &self.frame, &self.config, samples, in_lanes);
         }

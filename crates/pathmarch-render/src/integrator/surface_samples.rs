@@ -37,7 +37,7 @@ impl SurfaceSamples {
     /// Random numbers of these paths, for the rays that leave their surfaces as number `part` of several. Lights are sampled with
     /// the first of them.
     pub(super) fn new(ctx: &TraceContext, paths: &[Path], surface_index: u32, part: u32) -> Self {
-        let samplers: Vec<PixelSampler> = paths.iter().map(|path| path.sampler).collect();
+        let mut samplers: Vec<PixelSampler> = paths.iter().map(|path| path.sampler).collect();
         let samples_of = |samplers: &[PixelSampler], pair: u32| {
             PixelSampler::samples_2d(samplers, pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + pair)
         };
@@ -52,9 +52,11 @@ impl SurfaceSamples {
             _ => samples_of(&samplers, pair),
         });
         let parts = if surface_index == 0 { ctx.config.indirect_samples } else { 1 };
-        let leaving: Vec<PixelSampler> = samplers.iter().map(|sampler| sampler.part(part, parts)).collect();
-        let scatter = samples_of(&leaving, pair::PAIR_SCATTER);
-        let lobe = if ctx.config.chooses_lobes { samples_of(&leaving, pair::PAIR_LOBE) } else { Vec::new() };
+        if parts > 1 {
+            samplers.iter_mut().for_each(|sampler| *sampler = sampler.part(part, parts));
+        }
+        let scatter = samples_of(&samplers, pair::PAIR_SCATTER);
+        let lobe = if ctx.config.chooses_lobes { samples_of(&samplers, pair::PAIR_LOBE) } else { Vec::new() };
         Self { light_samples, choice, light, scatter, lobe }
     }
 }

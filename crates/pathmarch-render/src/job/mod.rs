@@ -208,8 +208,8 @@ impl Renderer {
         let best = input.best_sample_counts(settings, samples, false);
         input.choose_path_reuse(settings, samples, &best, CPU_CONNECTION_COST);
         input.set_sample_counts(&best);
-        if settings.splitting.is_none() && !input.config.path_reuse && input.config.indirect_samples == 1 {
-            input.choose_splitting(samples, false);
+        if !input.config.path_reuse {
+            input.choose_splitting(settings, samples, false);
         }
         let job = CpuJob::new(input, settings.first_sample).cropped(settings.rect());
         Ok((Tracer::Cpu(Box::new(job)), BackendInfo::cpu(notice)))
@@ -239,9 +239,7 @@ fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -
             input.choose_path_reuse(settings, samples, &best, kernel_connection_cost(gpu.is_software()));
         }
         input.set_sample_counts(&best);
-        if settings.splitting.is_none() && input.config.indirect_samples == 1 {
-            input.choose_splitting(samples, true);
-        }
+        input.choose_splitting(settings, samples, true);
     }
     Ok(GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::OFFLINE)?.cropped(settings.rect()))
 }

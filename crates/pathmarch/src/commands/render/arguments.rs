@@ -83,10 +83,10 @@ pub struct Arguments {
     /// Paths per camera ray, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_SPLITTING)), allow_hyphen_values = true)]
     pub(super) splitting: Option<u32>,
-    /// Light samples where a path starts, 1 to 8 [default: chosen for the fastest convergence]
+    /// Light samples at the first surface of a path, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_LIGHT_SAMPLES)), allow_hyphen_values = true)]
     pub(super) light_samples: Option<u32>,
-    /// Rays that leave where a path starts, 1 to 8 [default: chosen for the fastest convergence]
+    /// Rays that leave the first surface of a path, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_INDIRECT_SAMPLES)), allow_hyphen_values = true)]
     pub(super) indirect_samples: Option<u32>,
     /// Pixels share light that their paths find: on or off [default: on where the picture then converges sooner]
