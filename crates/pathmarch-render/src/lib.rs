@@ -47,7 +47,7 @@ pub use pathmarch_mesh::files::mount as mount_file;
 pub use pathmarch_scene;
 pub use preview_steps::{PreviewStep, PreviewSteps};
 pub use ray_stats::RayStats;
-pub use settings::{MAX_BOUNCES, MAX_INDIRECT_SAMPLES, MAX_LIGHT_SAMPLES, MAX_SPLITTING, Settings};
+pub use settings::{MAX_BOUNCES, MAX_INDIRECT_SAMPLES, MAX_LIGHT_PATHS, MAX_LIGHT_SAMPLES, MAX_SPLITTING, Settings};
 pub use views::aov;
 pub use views::pick::{Picked, clearance, pick};
 

@@ -18,6 +18,8 @@ pub const MAX_LIGHT_SAMPLES: u32 = 8;
 
 /// Largest number of rays that leave the first surface of a path.
 pub const MAX_INDIRECT_SAMPLES: u32 = 8;
+/// Largest number of light paths of each sample.
+pub const MAX_LIGHT_PATHS: u32 = 1 << 20;
 
 /// Settings of one picture. On one adapter, a picture is a pure function of the scene and its settings.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,6 +68,9 @@ pub struct Settings {
     /// sooner. Unbiased. Applies to [`Mode::Path`] without `crop` and `clamp`, to scenes without media, bump maps and traced or
     /// fast caustics; on software adapters that end loops, only to fields without loops.
     pub path_reuse: Option<bool>,
+    /// Number of light paths of each sample with traced caustics, from 1 to [`MAX_LIGHT_PATHS`]; `None` for the number that
+    /// converges soonest. Samples that share a camera ray share the light paths.
+    pub light_paths: Option<u32>,
     /// Whether pixels at the edges of emitters have further camera rays, which make them smooth sooner; `None` in pictures that
     /// are large enough. Unbiased. Applies to [`Mode::Path`], to scenes without fog, media and priorities, to stills and
     /// moments without motion blur.
@@ -136,6 +141,12 @@ impl Settings {
                 self.indirect_samples.unwrap_or_default()
             ));
         }
+        if self.light_paths.is_some_and(|paths| !(1..=MAX_LIGHT_PATHS).contains(&paths)) {
+            return fail(format!(
+                "there are {} light paths; there must be from 1 to {MAX_LIGHT_PATHS}",
+                self.light_paths.unwrap_or_default()
+            ));
+        }
         if self.viewpoint.is_none() && self.camera >= scene.cameras.len() {
             return fail(format!("there is no camera of index {}; the scene has {}", self.camera, scene.cameras.len()));
         }
@@ -165,6 +176,7 @@ impl From<&RenderSettings> for Settings {
             splitting: None,
             light_samples: None,
             indirect_samples: None,
+            light_paths: None,
             path_reuse: None,
             emitter_edges: None,
             crop: None,

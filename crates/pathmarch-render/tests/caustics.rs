@@ -3,7 +3,7 @@
 use crate::common::{cpu, on_both_backends, parse, render, worst_block};
 use pathmarch_render::metrics::{mean_colour, relmse};
 use pathmarch_render::pathmarch_scene::{Caustics, Scene};
-use pathmarch_render::{Renderer, Settings};
+use pathmarch_render::{MAX_LIGHT_PATHS, Renderer, Settings};
 use pathmarch_testing::{plain, tests};
 
 /// A ball and a block of glass and a mirror on a floor, under these lights.
@@ -114,6 +114,40 @@ fn samples_of_light_paths_add_up() {
     assert!(mean_colour(&whole)[0] > 0.1);
 }
 
+fn any_number_of_light_paths_finds_the_same_light() {
+    let scene = lit_by("point { at 1 3 1; intensity 20 }");
+    let [few, many] = [(500, 256), (20_000, 64)].map(|(light_paths, samples)| {
+        let settings = Settings { size: [64, 48], samples, light_paths: Some(light_paths), ..Settings::of(&scene) };
+        let mut job = cpu().start(&scene, &settings).expect("starts");
+        job.run(|_| false, |_| {}).expect("runs");
+        assert_eq!(job.light_paths(), Some(light_paths));
+        job.film().expect("a film").mean()
+    });
+    let (a, b) = (mean_colour(&few)[1], mean_colour(&many)[1]);
+    assert!((a / b - 1.0).abs() < 0.005, "{a} {b}");
+    assert!(worst_block(&few, &many, 16) < 0.05, "{}", worst_block(&few, &many, 16));
+    for light_paths in [0, MAX_LIGHT_PATHS + 1] {
+        let settings = Settings { light_paths: Some(light_paths), ..Settings::of(&scene) };
+        let error = settings.check(&scene).expect_err("out of range");
+        assert!(error.to_string().contains("light paths; there must be from 1 to 1048576"), "{error}");
+    }
+}
+
+fn the_number_of_light_paths_suits_the_picture() {
+    let light_paths = |scene: &Scene, size: [u32; 2]| {
+        let settings = Settings { size, samples: 32, caustics: Caustics::Traced, ..Settings::of(scene) };
+        cpu().start(scene, &settings).expect("starts").light_paths()
+    };
+    let bright_caustics = parse(include_str!("data/caustic_point.kdl"));
+    let hardly_any = lit_by("sky 1\npoint { at 1 3 1; intensity 0.02 }");
+    let large = [640, 360];
+    assert!(light_paths(&bright_caustics, large) > Some(640 * 360 / 2));
+    assert!(light_paths(&hardly_any, large) < Some(640 * 360 / 4));
+    // Too few camera paths to pay for the probe.
+    assert_eq!(light_paths(&bright_caustics, [320, 180]), Some(320 * 180 / 2));
+    assert_eq!(light_paths(&lit_by("sky 1"), large), None);
+}
+
 fn scenes_without_specular_surfaces_stay_as_they_are() {
     let scene = lit_by("point { at 1 3 1; intensity 20 }");
     let picture = |scene: &Scene, caustics, bounces| {
@@ -131,6 +165,11 @@ fn scenes_without_specular_surfaces_stay_as_they_are() {
 
 tests! {
     plain slow: [light_paths_find_what_camera_paths_find],
-    plain: [samples_of_light_paths_add_up, scenes_without_specular_surfaces_stay_as_they_are],
+    plain: [
+        any_number_of_light_paths_finds_the_same_light,
+        samples_of_light_paths_add_up,
+        scenes_without_specular_surfaces_stay_as_they_are,
+        the_number_of_light_paths_suits_the_picture,
+    ],
     on_both_backends: [light_paths_start_alike_on_both_backends],
 }

@@ -105,6 +105,11 @@ impl CpuJob {
         self.input.edges.is_some()
     }
 
+    /// Number of light paths of each sample, with traced caustics.
+    pub(crate) fn light_paths(&self) -> Option<u32> {
+        self.input.light_paths()
+    }
+
     /// Index of the film's first sample.
     pub(crate) fn first_sample(&self) -> u32 {
         self.first_sample

@@ -2,8 +2,9 @@
 
 use crate::integrator::emitter_edges::{self, EmitterEdges};
 use crate::integrator::guides::Guide;
-use crate::integrator::photons;
 use crate::integrator::photons::emission::Emission;
+use crate::integrator::photons::path_count_choice::best_path_count;
+use crate::integrator::photons::{self, default_path_count};
 use crate::integrator::sample_counts_choice::{BestCounts, SampleCounts, best_sample_counts};
 use crate::integrator::splitting::camera_ray_index;
 use crate::integrator::{moments, path, path_reuse_choice, splitting_choice};
@@ -31,6 +32,8 @@ pub(crate) struct RenderInput {
     pub(crate) data: ModeData,
     /// Starts of light paths, with traced caustics.
     pub(crate) emission: Option<Arc<Emission>>,
+    /// Number of light paths of each sample, if it is chosen.
+    chosen_light_paths: Option<u32>,
     /// Edges of emitters that have further camera rays.
     pub(crate) edges: Option<Arc<EmitterEdges>>,
     /// True to record guides, see [`records_guides`](Self::records_guides).
@@ -77,6 +80,7 @@ impl RenderInput {
             mode: settings.mode,
             data,
             emission: emission.map(Arc::new),
+            chosen_light_paths: settings.light_paths,
             edges: None,
             wants_guides: false,
         }
@@ -196,9 +200,23 @@ impl RenderInput {
     /// Photon map of a sample, with traced caustics. Samples that share a camera ray share a map.
     pub(crate) fn photon_map(&self, sample: u32) -> Option<PhotonMap> {
         let index = camera_ray_index(sample, self.config.splitting);
+        let (emission, count) = (self.emission.as_ref()?, self.light_paths()?);
         // A caustic is a bounce.
-        let emission = self.emission.as_ref().filter(|_| self.frame.bounces > 0);
-        emission.map(|emission| photons::photon_map(&self.context(None), emission, index))
+        (self.frame.bounces > 0).then(|| photons::photon_map(&self.context(None), emission, index, count))
+    }
+
+    /// Number of light paths of each sample, with traced caustics.
+    pub(crate) fn light_paths(&self) -> Option<u32> {
+        let count = || self.chosen_light_paths.unwrap_or_else(|| default_path_count(self.frame.size()));
+        self.emission.is_some().then(count)
+    }
+
+    /// Chooses the number of light paths such that the picture converges soonest, unless the settings tell it. A ray of a light path
+    /// costs as much as this number of rays of other paths.
+    pub(crate) fn choose_light_paths(&mut self, samples: u32, ray_cost: f64) {
+        if let (Some(emission), None, Mode::Path) = (&self.emission, self.chosen_light_paths, self.mode) {
+            self.chosen_light_paths = best_path_count(&self.context(None), emission, samples, ray_cost);
+        }
     }
 
     /// Radiance and guides of sample `sample` of each pixel of a path-traced picture without shared camera rays.

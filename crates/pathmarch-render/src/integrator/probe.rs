@@ -10,7 +10,7 @@ use glam::DVec3;
 use pathmarch_scene::Sampler;
 
 /// Largest variance of a pixel of a probe, relative to the square of its own mean, so that none dominates.
-const MAX_VARIANCE: f64 = 10.0;
+pub(super) const MAX_VARIANCE: f64 = 10.0;
 
 /// Cost of an evaluation of the field relative to a ray and its shading.
 const EVALUATION_COST: f64 = 0.25;

@@ -21,6 +21,7 @@ use super::motion::{MotionBlur, Shutter};
 use super::{BackendInfo, Job, Renderer, Work};
 use crate::backend::RenderInput;
 use crate::error::RenderError;
+use crate::integrator::photons::default_path_count;
 use crate::mode::Mode;
 use crate::output::film::Film;
 use crate::output::half_films::HalfFilms;
@@ -228,6 +229,7 @@ impl Renderer {
             splitting: Some(1),
             light_samples: Some(1),
             indirect_samples: Some(1),
+            light_paths: settings.light_paths.or(Some(default_path_count(settings.size))),
             path_reuse: Some(false),
             emitter_edges: Some(false),
             samples: most,

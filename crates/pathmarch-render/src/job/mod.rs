@@ -16,6 +16,7 @@ use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
 use crate::error::RenderError;
 use crate::integrator::path_reuse;
 use crate::integrator::path_reuse_choice::{CPU_CONNECTION_COST, kernel_connection_cost};
+use crate::integrator::photons::path_count_choice::{CPU_LIGHT_RAY_COST, kernel_light_ray_cost};
 use crate::output::exposure::suitable_stops;
 use crate::output::film::Film;
 use crate::ray_stats::{RayCounters, RayStats};
@@ -211,6 +212,7 @@ impl Renderer {
         if !input.config.path_reuse {
             input.choose_splitting(settings, samples, false);
         }
+        input.choose_light_paths(samples, CPU_LIGHT_RAY_COST);
         let job = CpuJob::new(input, settings.first_sample).cropped(settings.rect());
         Ok((Tracer::Cpu(Box::new(job)), BackendInfo::cpu(notice)))
     }
@@ -241,6 +243,7 @@ fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -
         input.set_sample_counts(&best);
         input.choose_splitting(settings, samples, true);
     }
+    input.choose_light_paths(samples, kernel_light_ray_cost(gpu.is_software()));
     Ok(GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::OFFLINE)?.cropped(settings.rect()))
 }
 

@@ -16,6 +16,7 @@
 use super::tracer::Tracer;
 use super::{BackendInfo, Renderer};
 use crate::error::RenderError;
+use crate::integrator::photons::default_path_count;
 use crate::mode::Mode;
 use crate::output::film::Film;
 use crate::output::parts::Rect;
@@ -155,6 +156,7 @@ impl MotionBlur {
             samples,
             light_samples: Some(self.settings.light_samples.unwrap_or(1)),
             indirect_samples: Some(self.settings.indirect_samples.unwrap_or(1)),
+            light_paths: self.settings.light_paths.or(Some(default_path_count(self.settings.size))),
             path_reuse: Some(false),
             emitter_edges: Some(false),
             ..self.settings.clone()

@@ -70,6 +70,15 @@ impl Job {
         }
     }
 
+    /// Number of light paths of each sample, see [`Settings::light_paths`](crate::Settings::light_paths); `None` without traced
+    /// caustics.
+    pub fn light_paths(&self) -> Option<u32> {
+        match &self.work {
+            Work::Still(tracer) => tracer.light_paths(),
+            Work::Moving(_) => self.settings.light_paths,
+        }
+    }
+
     /// True if pixels share light, see [`Settings::path_reuse`](crate::Settings::path_reuse).
     pub fn reuses_paths(&self) -> bool {
         matches!(&self.work, Work::Still(tracer) if tracer.config().path_reuse)

@@ -80,6 +80,14 @@ impl Tracer {
         }
     }
 
+    /// Number of light paths of each sample, with traced caustics.
+    pub(crate) fn light_paths(&self) -> Option<u32> {
+        match self {
+            Self::Gpu(job) => job.light_paths(),
+            Self::Cpu(job) => job.light_paths(),
+        }
+    }
+
     /// True if edges of emitters have further camera rays.
     pub(crate) fn traces_edges(&self) -> bool {
         match self {

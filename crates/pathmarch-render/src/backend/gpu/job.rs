@@ -18,7 +18,6 @@ use crate::backend::RenderInput;
 use crate::error::RenderError;
 use crate::integrator::emitter_edges::{EDGES_PER_GROUP, EmitterEdges};
 use crate::integrator::guides::FILM_SAMPLES;
-use crate::integrator::photons;
 use crate::integrator::splitting;
 use crate::mode::Mode;
 use crate::output::film::Film;
@@ -137,9 +136,9 @@ impl Photons {
     }
 }
 
-/// Bytes of a photon map of a picture of this size.
-fn photon_bytes(size: [u32; 2]) -> usize {
-    size_of::<[f32; 4]>() * PhotonMap::encoded_length(photons::path_count(size))
+/// Bytes of a photon map of a picture, with traced caustics.
+fn photon_bytes(input: &RenderInput) -> usize {
+    size_of::<[f32; 4]>() * input.light_paths().map_or(0, PhotonMap::encoded_length)
 }
 
 fn film_bytes([width, height]: [u32; 2]) -> u64 {
@@ -185,7 +184,7 @@ impl GpuJob {
         let frame_record = &input.frame;
         let size = frame_record.size();
         check_limits(&device, size, input.scene.field.shapes_as_code())?;
-        let photon_bytes = if input.emission.is_some() { photon_bytes(size) } else { 0 };
+        let photon_bytes = photon_bytes(input);
         check_tables(&device, source, photon_bytes)?;
         let started = Instant::now();
         let kernel = device.kernels.compile(&device, source, &source.code)?;
@@ -346,10 +345,10 @@ impl GpuJob {
             return Ok(false);
         }
         if let Some(photons) = &mut self.photons {
-            if photon_bytes(size) > photons.capacity {
+            photons.input.frame = *frame;
+            if photon_bytes(&photons.input) > photons.capacity {
                 return Ok(false);
             }
-            photons.input.frame = *frame;
         }
         self.wait()?;
         self.edges = None;
@@ -645,6 +644,11 @@ impl GpuJob {
     /// True if edges of emitters have further camera rays.
     pub(crate) fn traces_edges(&self) -> bool {
         self.edges.is_some()
+    }
+
+    /// Number of light paths of each sample, with traced caustics.
+    pub(crate) fn light_paths(&self) -> Option<u32> {
+        self.photons.as_ref().and_then(|photons| photons.input.light_paths())
     }
 
     /// Reads the film back. The caller ensures that no sample is half done.

@@ -19,27 +19,28 @@
 //! **Limits.** Caustics of rougher surfaces, of `principled` metal and glass, and light that media scatter on its way
 //! are found by camera paths alone. A camera path and a photon that both disperse have a wavelength each.
 //!
-//! **Cost.** Half as many light paths as the picture has pixels, for each sample, on the CPU on both backends.
-//! Scenes without focusing surfaces pay nothing.
+//! **Cost.** Each sample has light paths, on the CPU on both backends: half as many as the picture has pixels, or [as many as
+//! pay](path_count_choice). Scenes without focusing surfaces pay nothing.
 
 pub(crate) mod emission;
 mod light_path;
+pub(crate) mod path_count_choice;
 
 use crate::scene::{PhotonMap, TraceContext};
+use crate::settings::MAX_LIGHT_PATHS;
 use emission::Emission;
 
-/// Pixels for each light path.
+/// Pixels for each light path, unless the number is chosen.
 const PIXELS_PER_PATH: u32 = 2;
-/// Smallest and largest number of light paths of a sample.
-const PATHS: [u32; 2] = [1 << 12, 1 << 19];
+/// Smallest number of light paths of a sample that is chosen.
+const MIN_LIGHT_PATHS: u32 = 1 << 12;
 
-/// Number of light paths of each sample of a picture of this size.
-pub(crate) fn path_count([width, height]: [u32; 2]) -> u32 {
-    (width.saturating_mul(height) / PIXELS_PER_PATH).clamp(PATHS[0], PATHS[1])
+/// Number of light paths of each sample of a picture of this size, unless it is chosen.
+pub(crate) fn default_path_count([width, height]: [u32; 2]) -> u32 {
+    (width.saturating_mul(height) / PIXELS_PER_PATH).clamp(MIN_LIGHT_PATHS, MAX_LIGHT_PATHS / 2)
 }
 
-/// Photon map of the sample with this index.
-pub(crate) fn photon_map(ctx: &TraceContext, emission: &Emission, sample: u32) -> PhotonMap {
-    let count = path_count(ctx.frame.size());
+/// Photon map of the sample with this index, of `count` light paths.
+pub(crate) fn photon_map(ctx: &TraceContext, emission: &Emission, sample: u32, count: u32) -> PhotonMap {
     PhotonMap::new(ctx.frame, light_path::photons(ctx, emission, sample, count), sample)
 }

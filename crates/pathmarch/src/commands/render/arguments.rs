@@ -16,7 +16,8 @@ use pathmarch_render::parts::Rect;
 use pathmarch_render::pathmarch_scene::{Camera, RenderSettings, Scene, settings};
 use pathmarch_render::tonemap::Display;
 use pathmarch_render::{
-    MAX_INDIRECT_SAMPLES, MAX_LIGHT_SAMPLES, MAX_NOISE, MAX_SPLITTING, MIN_NOISE, Mode, PreviewStep, Settings, Shutter,
+    MAX_INDIRECT_SAMPLES, MAX_LIGHT_PATHS, MAX_LIGHT_SAMPLES, MAX_NOISE, MAX_SPLITTING, MIN_NOISE, Mode, PreviewStep,
+    Settings, Shutter,
 };
 use std::path::{Path, PathBuf};
 
@@ -89,6 +90,9 @@ pub struct Arguments {
     /// Rays that leave the first surface of a path, 1 to 8 [default: chosen for the fastest convergence]
     #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_INDIRECT_SAMPLES)), allow_hyphen_values = true)]
     pub(super) indirect_samples: Option<u32>,
+    /// Light paths of each sample of traced caustics, 1 to 1048576 [default: chosen for the fastest convergence]
+    #[arg(long, value_name = "N", value_parser = value_parsers::whole((1, MAX_LIGHT_PATHS)), allow_hyphen_values = true)]
+    pub(super) light_paths: Option<u32>,
     /// Pixels share light that their paths find: on or off [default: on where the picture then converges sooner]
     #[arg(long, value_name = "on|off", value_parser = parse_switch)]
     pub(super) path_reuse: Option<bool>,
@@ -293,6 +297,7 @@ impl Arguments {
             splitting,
             light_samples: self.light_samples,
             indirect_samples: self.indirect_samples,
+            light_paths: self.light_paths,
             path_reuse: self.path_reuse,
             emitter_edges: self.emitter_edges,
             crop,
@@ -387,6 +392,7 @@ impl Arguments {
                 (self.splitting.is_some(), "--splitting"),
                 (self.light_samples.is_some(), "--light-samples"),
                 (self.indirect_samples.is_some(), "--indirect-samples"),
+                (self.light_paths.is_some(), "--light-paths"),
                 (self.path_reuse.is_some(), "--path-reuse"),
                 (self.emitter_edges.is_some(), "--emitter-edges"),
                 (film, "a .film"),

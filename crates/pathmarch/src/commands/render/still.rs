@@ -202,6 +202,7 @@ impl Task<'_> {
             whole_samples: Some(settings.whole_samples.unwrap_or(settings.samples)),
             light_samples: Some(job.light_samples()),
             indirect_samples: Some(job.indirect_samples()),
+            light_paths: job.light_paths(),
             path_reuse: Some(job.reuses_paths()),
             emitter_edges: Some(job.traces_emitter_edges()),
             splitting: Some(job.splitting()).filter(|_| settings.mode.traces_paths()).or(settings.splitting),
