@@ -1,7 +1,8 @@
 //! Materials of glTF files against values in closed form, on both backends.
 
 use crate::common::{on_each_backend, parse, render};
-use pathmarch_render::metrics::relmse;
+use pathmarch_render::image::Picture;
+use pathmarch_render::metrics::{mean_colour, relmse};
 use pathmarch_render::{Renderer, Settings};
 use pathmarch_testing::tests;
 use std::path::Path;
@@ -162,6 +163,52 @@ fn emission_is_the_factor_times_strength_and_texture(renderer: &Renderer) {
     );
 }
 
+/// A mesh of cubes of this half edge around these points, as OBJ.
+fn cubes(centres: &[[f32; 3]], radius: f32) -> String {
+    use std::fmt::Write;
+    const FACES: [[usize; 4]; 6] = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let mut text = String::new();
+    for (cube, [x, y, z]) in centres.iter().enumerate() {
+        for corner in 0..8 {
+            let side = |bit: usize| if corner >> bit & 1 == 1 { radius } else { -radius };
+            let _ = writeln!(text, "v {} {} {}", x + side(2), y + side(1), z + side(0));
+        }
+        for [a, b, c, d] in FACES.map(|face| face.map(|corner| 8 * cube + corner + 1)) {
+            let _ = writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}");
+        }
+    }
+    text
+}
+
+/// Many lamps of one mesh are as many lights. As one light they have seven times the noise. Boxes are less noisy than theirs
+/// because no points on hidden faces are sampled.
+fn lamps_of_a_mesh_are_chosen_by_place(renderer: &Renderer) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("lamps.obj");
+    let centres: Vec<[f32; 3]> = (0..64).map(|k| [(k % 8) as f32 - 3.5, 0.6, (k / 8) as f32 - 3.5]).collect();
+    std::fs::write(&file, cubes(&centres, 0.05)).expect("is written");
+    let mesh = format!("object \"lamps\" material=\"lamp\" {{ mesh \"{}\" }}", file.display());
+    let boxes = centres.iter().enumerate().map(|(k, [x, y, z])| {
+        format!("object \"lamp {k}\" material=\"lamp\" {{ box 0.1 0.1 0.1 {{ at {x} {y} {z} }} }}\n")
+    });
+    let [by_mesh, by_boxes] = [mesh, boxes.collect()].map(|lamps| {
+        let scene = parse(&format!(
+            "pathmarch 1\ncamera {{ position 0 0.55 1.5; target 0 0 0.6; fov 40 }}\nmaterial \"white\" {{ diffuse 0.7 }}\n\
+             material \"lamp\" {{ emit 9 }}\nobject \"floor\" material=\"white\" {{ plane }}\n{lamps}"
+        ));
+        [1, 2].map(|seed| {
+            let settings = Settings { size: [64, 48], samples: 16, seed, ..Settings::of(&scene) };
+            render(renderer, &scene, &settings).mean()
+        })
+    });
+    let noise = |[a, b]: &[Picture; 2]| relmse(a, b).expect("equal sizes");
+    let (mesh, boxes) = (noise(&by_mesh), noise(&by_boxes));
+    println!("{}: relMSE between seeds {mesh:.2e} by a mesh, {boxes:.2e} by boxes", renderer.backend().name);
+    assert!(mesh < 8.0 * boxes, "{mesh} {boxes}");
+    let mean = |[a, b]: &[Picture; 2]| mean_colour(a)[1] + mean_colour(b)[1];
+    assert!((mean(&by_mesh) / mean(&by_boxes) - 1.0).abs() < 0.01, "{} {}", mean(&by_mesh), mean(&by_boxes));
+}
+
 /// A floor lit by a mesh: light sampling, BSDF sampling and both agree.
 fn emitting_triangles_are_sampled_as_rays_find_them(renderer: &Renderer) {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -179,7 +226,14 @@ fn emitting_triangles_are_sampled_as_rays_find_them(renderer: &Renderer) {
             folder.path().join("square.gltf").display()
         ),
     ];
-    for lamp in lamps {
+    // Two groups of cubes and a far one.
+    let centres = [[-0.9, 0.9, 0.1], [-0.8, 0.3, 0.2], [0.8, 0.4, -0.3], [0.9, 0.9, -0.2], [0.1, 0.5, -2.0]];
+    std::fs::write(folder.path().join("cubes.obj"), cubes(&centres, 0.08)).expect("is written");
+    let cubes = format!(
+        "object \"cubes\" material=\"lamp\" {{ mesh \"{}\" {{ rotate 10 40 0; scale 1.2; at 0 0.1 0.2 }} }}",
+        folder.path().join("cubes.obj").display()
+    );
+    for lamp in lamps.into_iter().chain([cubes]) {
         let render_with = |estimator: &str, samples: u32| {
             let scene = parse(&format!(
                 "pathmarch 1\ncamera {{ position 0 3 1.5; target 0 0 0; fov 50 }}\nrender {{ estimator \"{estimator}\" }}\n\
@@ -193,7 +247,7 @@ fn emitting_triangles_are_sampled_as_rays_find_them(renderer: &Renderer) {
         for (estimator, samples, limit) in [("mis", 512, 2e-3), ("light", 512, 4e-3)] {
             let film = render_with(estimator, samples);
             let error = relmse(&film, &reference).expect("equal sizes");
-            let mean = |film: &pathmarch_render::image::Picture| film.pixels.iter().map(|pixel| pixel[1]).sum::<f32>();
+            let mean = |film: &Picture| film.pixels.iter().map(|pixel| pixel[1]).sum::<f32>();
             let ratio = mean(&film) / mean(&reference);
             println!("{estimator} {}: relMSE {error:.2e}, mean {ratio:.4}", renderer.backend().name);
             assert!(error < limit && (ratio - 1.0).abs() < 0.005, "{estimator}: {error}, {ratio}");
@@ -210,5 +264,6 @@ tests! {
         green_of_a_normal_map_points_up_and_red_to_the_right,
         emission_is_the_factor_times_strength_and_texture,
         emitting_triangles_are_sampled_as_rays_find_them,
+        lamps_of_a_mesh_are_chosen_by_place,
     ],
 }

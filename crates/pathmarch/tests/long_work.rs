@@ -177,7 +177,7 @@ fn an_interrupted_render_goes_on_to_the_same_picture() {
             // Each run adds a sample or more.
             let mut runs = 1;
             while place.path().join("a.exr.checkpoint").exists() {
-                if runs == 40 {
+                if runs == 12 {
                     place.done(&[&fixed[..], &["-o", "a.exr", "--resume"]].concat());
                 } else {
                     place.done(&[&limited[..], &["--resume"]].concat());

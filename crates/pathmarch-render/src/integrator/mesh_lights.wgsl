@@ -1,9 +1,21 @@
 // import: integrator/sky, textures
 // Emitting triangles of meshes. Twin of scene/mesh_light.rs, which explains them.
 
+/// Number of the light that a triangle of a leaf is, from one on, or zero; `light` is that of any light of the leaf.
+fn light_of_triangle(light: u32, triangle: u32) -> u32 {
+    if light == 0u || triangle == NO_TRIANGLE {
+        return light;
+    }
+    let any = light_at(light - 1u);
+    if any.kind != TRIANGLES || any.x.y < 0.0 {
+        return light;
+    }
+    return scene_data[scene_data[MESH_LIGHT_DATA + 2u * u32(any.x.y) + 1u] + triangle];
+}
+
 /// Samples a point by area on the triangles of a mesh.
 fn sample_mesh(light: Light, p: vec3f, position: vec2f) -> LightSample {
-    let table = scene_data[MESH_LIGHT_DATA + light.leaf];
+    let table = scene_data[MESH_LIGHT_DATA + 2u * u32(light.x.x)];
     let count = scene_data[table + 1u];
     let cell = sample_alias_table(table + 2u, count, position.x);
     let triangle = scene_data[table + 2u + 2u * count + u32(cell.x)];

@@ -330,7 +330,7 @@ fn emitted_light(
 ) -> Vec3 {
     let &SurfaceInteraction { normal, inside, .. } = interaction;
     let leaf = &ctx.scene.leaves[interaction.leaf];
-    let light = leaf.light();
+    let light = ctx.scene.light_of(interaction.leaf, interaction.triangle);
     let is_counted =
         |light: usize| !ctx.config.traced_caustics || ctx.scene.starts_light_paths(&ctx.scene.lights[light].shape);
     let counted = path.lights_are_counted && light.is_some_and(is_counted);

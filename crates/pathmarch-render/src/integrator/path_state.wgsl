@@ -57,7 +57,7 @@ fn path_from(camera: Ray, sampler: PixelSampler) -> Path {
 /// Adds light that the surface at an interaction of a path emits.
 fn add_emission(path: ptr<function, Path>, interaction: SurfaceInteraction, emission: vec3f) {
     let leaf = leaf_at(interaction.leaf);
-    let light = leaf.flags >> LIGHT_SHIFT;
+    let light = light_of_triangle(leaf.flags >> LIGHT_SHIFT, interaction.triangle);
     // Shadow rays or photons have already contributed it.
     var counted = (FAST_CAUSTICS || TRACED_CAUSTICS) && (*path).lights_are_counted && light > 0u;
     if TRACED_CAUSTICS && counted {

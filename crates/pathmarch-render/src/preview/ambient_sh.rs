@@ -22,7 +22,7 @@ use crate::sampling::r2_sequence::EQUAL_WEIGHTS;
 use crate::sampling::sobol::{PixelSampler, unit};
 use crate::scene::light::{SphereLight, luminance};
 use crate::scene::{FrameUniforms, TraceContext};
-use crate::shading::surface_interaction::surface_interactions;
+use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::{PI, TAU};
@@ -142,16 +142,16 @@ fn radiance(ctx: &TraceContext, rays: Vec<(Ray, PixelSampler)>, excluded_lights:
         }
     }
     let interactions = surface_interactions(ctx, &segment_hits, |_, _| EQUAL_WEIGHTS);
-    let contributes = |leaf: usize| {
+    let contributes = |&SurfaceInteraction { leaf, triangle, .. }: &SurfaceInteraction| {
         if !ctx.scene.material_of(leaf).emits() {
             return bounces;
         }
-        ctx.scene.leaves[leaf].light().is_none_or(|light| !excluded_lights.contains(&(light as u32)))
+        ctx.scene.light_of(leaf, triangle).is_none_or(|light| !excluded_lights.contains(&(light as u32)))
     };
     let slots: Vec<usize> = slots
         .into_iter()
         .zip(&interactions)
-        .filter(|(_, interaction)| contributes(interaction.leaf))
+        .filter(|(_, interaction)| contributes(interaction))
         .map(|(slot, _)| slot)
         .collect();
     let traced = path::radiance_along(ctx, slots.iter().map(|&slot| rays[slot]));

@@ -117,6 +117,8 @@ pub(crate) struct TrianglesLight {
     pub(super) normals: NormalCone,
     /// Area, square metres.
     pub(crate) area: f32,
+    /// Index among the [tables of parts](super::RenderScene::mesh_parts), if it is a part of a mesh.
+    pub(crate) parts: Option<usize>,
 }
 
 /// Emitting rectangle or disc, a sheet without thickness.
@@ -338,8 +340,10 @@ pub(super) struct SceneLights {
     /// Lights with power above zero: suns, then the others in the order of the scene. With a tree, its lights come last, in
     /// the order of its leaves.
     pub(super) lights: Vec<Light>,
-    /// Meshes among them.
+    /// Meshes and parts of meshes among them.
     pub(super) meshes: Vec<MeshLight>,
+    /// For each mesh of several parts, the light of each of its triangles.
+    pub(super) mesh_parts: Vec<Vec<u32>>,
     /// Tree over the lights with a position, if there are [`MIN_TREE_LIGHTS`] or more.
     pub(super) tree: Option<LightTree>,
 }
@@ -349,24 +353,21 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent, by_place: b
     let declared = scene.lights.iter().map(declared_light);
     let leaves = scene.field.leaves().iter().enumerate();
     let mut meshes = Vec::new();
-    let emitters = leaves.filter_map(|(index, leaf)| {
+    let mut mesh_parts = Vec::new();
+    let emitters = leaves.flat_map(|(index, leaf)| {
         let material = &scene.materials[leaf.tag as usize];
         let radiance = Vec3::from(material.emission());
         if !material.emits() {
-            return None;
+            return Vec::new();
         }
         let mesh = MeshLight::new(&scene.field, index);
         // Only BSDF sampling finds an emission that varies over anything but triangles.
         if mesh.is_none() && material.emission_texture.is_some() {
-            return None;
+            return Vec::new();
         }
-        match (leaf_light(&scene.field, index, radiance)?, mesh) {
-            (LightShape::Bounded(bounds), Some(mesh)) => {
-                let light = TrianglesLight { bounds, mesh: meshes.len(), normals: mesh.normals(), area: mesh.area };
-                meshes.push(mesh);
-                Some(LightShape::Triangles(light))
-            }
-            (shape, _) => Some(shape),
+        match (leaf_light(&scene.field, index, radiance), mesh) {
+            (Some(LightShape::Bounded(bounds)), Some(mesh)) => mesh_lights(mesh, &bounds, &mut meshes, &mut mesh_parts),
+            (shape, _) => shape.into_iter().collect(),
         }
     });
     let shapes: Vec<LightShape> = declared.chain(emitters).collect();
@@ -407,8 +408,37 @@ pub(super) fn lights(scene: &Scene, sky_power: f32, extent: &Extent, by_place: b
         (light.threshold, light.alias) = cell;
     }
     lights.extend(in_tree);
-    SceneLights { lights, meshes, tree }
+    for (index, light) in (0..).zip(&lights) {
+        if let LightShape::Triangles(TrianglesLight { mesh, parts: Some(parts), .. }) = light.shape {
+            meshes[mesh].triangles.iter().for_each(|&triangle| mesh_parts[parts][triangle as usize] = index);
+        }
+    }
+    SceneLights { lights, meshes, mesh_parts, tree }
 }
+
+/// Lights of the parts of a mesh within these bounds, which are added to `meshes`, and the table of several parts to `mesh_parts`.
+fn mesh_lights(
+    mesh: MeshLight,
+    bounds: &SphereLight,
+    meshes: &mut Vec<MeshLight>,
+    mesh_parts: &mut Vec<Vec<u32>>,
+) -> Vec<LightShape> {
+    let triangles = mesh.mesh_triangles();
+    let parts = mesh.parts();
+    let table = (parts.len() > 1).then_some(mesh_parts.len());
+    mesh_parts.extend(table.map(|_| vec![NO_LIGHT; triangles]));
+    let light = |part: MeshLight| {
+        let (centre, radius) = if table.is_some() { part.bounds() } else { (bounds.centre, bounds.radius) };
+        let bounds = SphereLight { centre, radius, ..*bounds };
+        let (normals, area) = (part.normals(), part.area);
+        meshes.push(part);
+        LightShape::Triangles(TrianglesLight { bounds, mesh: meshes.len() - 1, normals, area, parts: table })
+    };
+    parts.into_iter().map(light).collect()
+}
+
+/// Light of a triangle that does not emit.
+pub(crate) const NO_LIGHT: u32 = u32::MAX;
 
 /// Smallest difference of cosines over which the light of a spot falls off; a hard edge has it.
 const MIN_FALLOFF: f32 = 1e-6;

@@ -33,7 +33,7 @@ pub(crate) use sky::SkyLight;
 pub(crate) use textured_material::TexturedMaterial;
 
 use glam::Vec3;
-use light::{SceneLights, SpotLight};
+use light::{SceneLights, SpotLight, TrianglesLight};
 use material::TRANSMITS;
 use pathmarch_field::{Aabb, Field};
 use pathmarch_scene::materials::{Bsdf, BsdfParameters};
@@ -62,6 +62,8 @@ pub(crate) struct RenderScene {
     pub(crate) light_tree: Option<LightTree>,
     /// Triangles of lights that are meshes.
     pub(crate) mesh_lights: Vec<MeshLight>,
+    /// For each mesh of several lights, the light of each of its triangles, or [`NO_LIGHT`](light::NO_LIGHT).
+    pub(crate) mesh_parts: Vec<Vec<u32>>,
     pub(crate) sky: SkyLight,
     pub(crate) media: Media,
 }
@@ -77,7 +79,8 @@ impl RenderScene {
         let mut sky = SkyLight::new(scene);
         let extent = Extent::new(scene, camera);
         let media = Media::new(scene);
-        let SceneLights { lights, meshes, tree } = light::lights(scene, sky.sampled_power(), &extent, by_place);
+        let SceneLights { lights, meshes, mesh_parts, tree } =
+            light::lights(scene, sky.sampled_power(), &extent, by_place);
         let environment = lights.iter().find(|light| matches!(light.shape, LightShape::Environment));
         if let Some(environment) = environment {
             sky.set_probability(environment.pmf);
@@ -94,9 +97,20 @@ impl RenderScene {
             lights,
             light_tree: tree,
             mesh_lights: meshes,
+            mesh_parts,
             sky,
             media,
         }
+    }
+
+    /// Light of a leaf, or of its `triangle` if a ray has hit one.
+    pub(crate) fn light_of(&self, leaf: usize, triangle: Option<u32>) -> Option<usize> {
+        let any = self.leaves[leaf].light()?;
+        let LightShape::Triangles(TrianglesLight { parts: Some(parts), .. }) = self.lights[any].shape else {
+            return Some(any);
+        };
+        let light = triangle.map_or(any as u32, |triangle| self.mesh_parts[parts][triangle as usize]);
+        (light != light::NO_LIGHT).then_some(light as usize)
     }
 
     /// Reports whether any object is sphere-traced.

@@ -23,6 +23,8 @@ pub(crate) struct SurfaceInteraction {
     pub(crate) shading_outward: Vec3,
     /// True if that side is the inside of the solid.
     pub(crate) inside: bool,
+    /// Triangle of a mesh that the ray hit.
+    pub(crate) triangle: Option<u32>,
     /// Vertex attributes of a mesh.
     pub(crate) attributes: MeshAttributes,
     /// Offset from `p` to the origin of rays that leave on this side, metres.
@@ -90,6 +92,7 @@ pub(crate) fn surface_interactions(
                 leaf: leaf[lane],
                 normal: normal[lane],
                 shading_outward: if is_turned { -shading_outward } else { shading_outward },
+                triangle: hit.triangle,
                 attributes: attributes[lane],
                 inside: is_back && !is_turned,
                 normal_offset: normal_offset[lane],

@@ -60,21 +60,33 @@ pub(crate) fn direct_lighting_wgsl() -> String {
     code
 }
 
-/// Encodes the emitting triangles of meshes: for each leaf the offset of its table, or zero. A table has a word for whether it is
-/// single-sided, the number of triangles, and the cells of its alias table with the triangle of each.
+/// Encodes the emitting triangles of meshes. At first there are two offsets for each index: of the table of the light that is this
+/// mesh or part of a mesh, and of that of the mesh of several parts with this index. The table of a light has a word for whether it is single-sided, the number of triangles, and the cells
+/// of its alias table with the triangle of each. That of parts has the light of each triangle plus one, or zero.
 pub(in crate::backend::gpu) fn encode_mesh_lights(scene: &RenderScene, start: usize) -> Vec<u32> {
     if scene.mesh_lights.is_empty() {
         return Vec::new();
     }
-    let mut words = vec![0; scene.leaves.len()];
-    for light in &scene.lights {
-        let LightShape::Triangles(TrianglesLight { bounds, mesh, .. }) = &light.shape else { continue };
-        let mesh = &scene.mesh_lights[*mesh];
-        words[bounds.leaf as usize] = (start + words.len()) as u32;
+    // There are fewer meshes of several parts than parts.
+    let mut words = vec![0; 2 * scene.mesh_lights.len()];
+    for (index, mesh) in scene.mesh_lights.iter().enumerate() {
+        words[2 * index] = (start + words.len()) as u32;
         words.extend([u32::from(mesh.is_single_sided), mesh.cells.len() as u32]);
         // Cells of two words, as in all alias tables.
         words.extend(mesh.cells.iter().flat_map(|&(threshold, alias)| [threshold.to_bits(), alias]));
         words.extend(mesh.kernel_triangles());
+    }
+    for (index, lights) in scene.mesh_parts.iter().enumerate() {
+        let first = words.len();
+        words[2 * index + 1] = (start + first) as u32;
+        words.resize(first + lights.len(), 0);
+        for (number, light) in (1..).zip(&scene.lights) {
+            let LightShape::Triangles(TrianglesLight { mesh, parts, .. }) = &light.shape else { continue };
+            if *parts == Some(index) {
+                let triangles = scene.mesh_lights[*mesh].kernel_triangles();
+                triangles.for_each(|triangle| words[first + triangle as usize] = number);
+            }
+        }
     }
     words
 }
@@ -98,7 +110,10 @@ impl LightRecord {
             LightShape::Sphere(sphere) | LightShape::Bounded(sphere) => Self::sphere(sphere),
             LightShape::Rect(sheet) | LightShape::Disc(sheet) => Self::sheet(sheet),
             LightShape::Box(light) => Self::cuboid(light),
-            LightShape::Triangles(light) => Self { area: light.area, ..Self::sphere(&light.bounds) },
+            LightShape::Triangles(light) => {
+                let parts = light.parts.map_or(-1.0, |parts| parts as f32);
+                Self { area: light.area, x: [light.mesh as f32, parts, 0.0], ..Self::sphere(&light.bounds) }
+            }
             LightShape::Environment => Self::zeroed(),
         };
         Self {
