@@ -187,7 +187,7 @@ struct Partition {
     cost: f32,
 }
 
-/// Best partition of these triangles, at least one, into parts of more than `smallest` or into what was halved `depth` times.
+/// Best partition of these triangles, at least one, which were halved `depth` times. No more than `smallest` are not halved.
 fn partition(triangles: &mut [TriangleBounds], smallest: usize, depth: u32) -> Partition {
     let bounds = |values: &mut dyn Iterator<Item = (Vec3, Vec3)>| {
         values.fold((Vec3::MAX, Vec3::MIN), |(min, max), (low, high)| (min.min(low), max.max(high)))
@@ -200,9 +200,10 @@ fn partition(triangles: &mut [TriangleBounds], smallest: usize, depth: u32) -> P
     let (low, high) = bounds(&mut triangles.iter().map(|triangle| (triangle.centre(), triangle.centre())));
     let axis = (high - low).max_position();
     let middle = 0.5 * (low[axis] + high[axis]);
-    triangles.sort_unstable_by_key(|triangle| triangle.centre()[axis] >= middle);
-    let half = triangles.partition_point(|triangle| triangle.centre()[axis] < middle);
-    if triangles.len() <= smallest.max(1) || depth == MAX_DEPTH || half == 0 {
+    let is_low = |triangle: &TriangleBounds| triangle.centre()[axis] < middle;
+    triangles.sort_unstable_by_key(|triangle| !is_low(triangle));
+    let half = triangles.partition_point(is_low);
+    if triangles.len() <= smallest || depth == MAX_DEPTH || half == 0 {
         return whole(triangles);
     }
     let (first, second) = triangles.split_at_mut(half);

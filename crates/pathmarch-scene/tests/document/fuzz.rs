@@ -327,7 +327,7 @@ fn slow_random_edits_are_made() {
             state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
             state >> 8
         })
-        .take(300)
+        .take(600)
         .collect();
         run(TEXTS[round % TEXTS.len()], &numbers)
             .into_iter()

@@ -60,9 +60,10 @@ pub(crate) fn direct_lighting_wgsl() -> String {
     code
 }
 
-/// Encodes the emitting triangles of meshes. At first there are two offsets for each index: of the table of the light that is this
-/// mesh or part of a mesh, and of that of the mesh of several parts with this index. The table of a light has a word for whether it is single-sided, the number of triangles, and the cells
-/// of its alias table with the triangle of each. That of parts has the light of each triangle plus one, or zero.
+/// Encodes the emitting triangles of meshes. Two offsets for each index come first: that of the table of the mesh light with this
+/// index, and that of the table of the mesh of several parts with this index. The table of a light has a word for whether it is
+/// single-sided, the number of triangles, and the cells of its alias table with the triangle of each. The table of a mesh of several
+/// parts has the light of each triangle plus one, or zero.
 pub(in crate::backend::gpu) fn encode_mesh_lights(scene: &RenderScene, start: usize) -> Vec<u32> {
     if scene.mesh_lights.is_empty() {
         return Vec::new();
