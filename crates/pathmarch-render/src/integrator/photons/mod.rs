@@ -30,9 +30,9 @@ use crate::scene::{PhotonMap, TraceContext};
 use crate::settings::MAX_LIGHT_PATHS;
 use emission::Emission;
 
-/// Pixels for each light path, unless the number is chosen.
+/// Pixels for each light path where nothing chooses the number.
 const PIXELS_PER_PATH: u32 = 2;
-/// Smallest number of light paths of a sample that is chosen.
+/// Smallest number of light paths of a sample, unless the settings tell the number.
 const MIN_LIGHT_PATHS: u32 = 1 << 12;
 
 /// Number of light paths of each sample of a picture of this size, unless it is chosen.

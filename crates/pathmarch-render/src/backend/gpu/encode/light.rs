@@ -78,15 +78,14 @@ pub(in crate::backend::gpu) fn encode_mesh_lights(scene: &RenderScene, start: us
         words.extend(mesh.kernel_triangles());
     }
     for (index, lights) in scene.mesh_parts.iter().enumerate() {
-        let first = words.len();
-        words[2 * index + 1] = (start + first) as u32;
-        words.resize(first + lights.len(), 0);
-        for (number, light) in (1..).zip(&scene.lights) {
-            let LightShape::Triangles(TrianglesLight { mesh, parts, .. }) = &light.shape else { continue };
-            if *parts == Some(index) {
-                let triangles = scene.mesh_lights[*mesh].kernel_triangles();
-                triangles.for_each(|triangle| words[first + triangle as usize] = number);
-            }
+        words[2 * index + 1] = (start + words.len()) as u32;
+        words.resize(words.len() + lights.len(), 0);
+    }
+    for (number, light) in (1..).zip(&scene.lights) {
+        if let LightShape::Triangles(TrianglesLight { mesh, parts: Some(parts), .. }) = light.shape {
+            let first = words[2 * parts + 1] as usize - start;
+            let triangles = scene.mesh_lights[mesh].kernel_triangles();
+            triangles.for_each(|triangle| words[first + triangle as usize] = number);
         }
     }
     words
