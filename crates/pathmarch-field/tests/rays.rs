@@ -12,6 +12,11 @@ fn at(o: [f32; 3], d: [f32; 3], t: f32) -> Vec3<f32> {
     Vec3::new(o[0] + d[0] * t, o[1] + d[1] * t, o[2] + d[2] * t)
 }
 
+/// Cosine of the angle between two vectors.
+fn cosine(a: Vec3<f32>, b: Vec3<f32>) -> f32 {
+    a.dot(b) / (a.length() * b.length())
+}
+
 fn unit(random: &mut Random) -> [f32; 3] {
     loop {
         let v: [f32; 3] = std::array::from_fn(|_| random.within(-1.0, 1.0));
@@ -31,7 +36,7 @@ fn unit(random: &mut Random) -> [f32; 3] {
 fn check(field: &Field, random: &mut Random, what: &str) -> u32 {
     assert!(field.sphere_traced_bounds().is_empty(), "{what}: nothing is left to march");
     const FAR: f32 = 8.0;
-    let (mut hits, mut outwards) = (0, 0);
+    let (mut hits, mut outwards, mut agree) = (0, 0, 0);
     for _ in 0..25 {
         let rays: [([f32; 3], [f32; 3]); 8] =
             std::array::from_fn(|_| (std::array::from_fn(|_| random.within(-2.0, 2.0)), unit(random)));
@@ -55,6 +60,7 @@ fn check(field: &Field, random: &mut Random, what: &str) -> u32 {
                 assert!(met.value.abs() < 2e-4, "{what}: {} from the leaf that was met", met.value);
                 let [within, without] = [-2e-3, 2e-3].map(|off| field.distance(p + met.gradient * off));
                 outwards += u32::from(within < without);
+                agree += u32::from(cosine(met.gradient, field.surface(p, 0).field.gradient) > 0.9999);
             }
             // On the way there it is on one side.
             let starts_inside = field.distance(at(o, d, 0.0)) < 0.0;
@@ -67,6 +73,7 @@ fn check(field: &Field, random: &mut Random, what: &str) -> u32 {
         }
     }
     assert!(outwards + 2 >= hits - hits / 50, "{what}: {outwards} of {hits} gradients point outwards");
+    assert!(agree + 2 >= hits - hits / 50, "{what}: {agree} of {hits} normals are those of the distance");
     hits
 }
 
@@ -103,6 +110,31 @@ fn every_convex_shape_is_met_where_its_distance_is_zero() {
         count += 1;
     }
     assert!(count >= 11);
+}
+
+#[test]
+fn normals_where_rays_meet_sheets_are_those_of_the_distance() {
+    let mut random = Random::new(11);
+    for shape in shapes().iter().filter(|shape| shape.info().sheet) {
+        let (mut hits, mut agree) = (0, 0);
+        for _ in 0..400 {
+            let params = shape.params().iter().map(|_| random.within(0.5, 3.0)).collect();
+            let node =
+                Node { kind: Kind::Shape { shape: (*shape).into(), params, tag: 0 }, placement: placed(&mut random) };
+            let field = Field::new(&[node]);
+            let (origin, direction) = (std::array::from_fn(|_| random.within(-2.0, 2.0)), unit(&mut random));
+            let (t, leaf) = field.analytic_hit(at(origin, [0.0; 3], 0.0), at([0.0; 3], direction, 1.0));
+            if t < 100.0 {
+                hits += 1;
+                let p = at(origin, direction, t);
+                let met = field.surface_at_hit(p, leaf, &|_| 0.5).field;
+                assert!(met.value.abs() < 1e-5, "{}: {}", shape.info().name, met.value);
+                // Rounding decides on which of its sides the point is.
+                agree += u32::from(cosine(met.gradient, field.surface(p, 0).field.gradient).abs() > 0.9999);
+            }
+        }
+        assert!(hits > 40 && agree + 1 >= hits, "{}: {agree} of {hits}", shape.info().name);
+    }
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn names_and_parameters_are_sound() {
 fn every_shape_prints_valid_wgsl() {
     for shape in shapes() {
         let table = if shape.reads_table() { sampling::table() } else { String::new() };
-        validate(&(table + &shape.wgsl_distance() + &shape.wgsl_gradient()));
+        validate(&(table + &shape.wgsl_distance() + &shape.wgsl_gradient() + &shape.wgsl_hit_gradient()));
     }
 }
 

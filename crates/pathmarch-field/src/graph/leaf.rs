@@ -82,4 +82,11 @@ impl Leaf {
         let local = N::shape(&*self.shape).gradient(Dual::variables(self.pose.local(p)), &self.params);
         self.pose.world(local)
     }
+
+    /// [`surface`](Self::surface) at a hit of [`ray`](Self::ray) or an end of [`interval`](Self::interval).
+    #[inline]
+    pub(super) fn surface_at_hit<N: Batch>(&self, p: Vec3<N>) -> Dual<N> {
+        let local = N::shape(&*self.shape).gradient_at_hit(Dual::variables(self.pose.local(p)), &self.params);
+        self.pose.world(if self.subtracted { -local } else { local })
+    }
 }

@@ -50,7 +50,7 @@ impl Field {
                 continue;
             }
             let Some(shape) = self.leaves.get(leaf as usize).filter(|leaf| !leaf.is_triangles()) else { continue };
-            let field = if shape.subtracted { -shape.surface(p) } else { shape.surface(p) };
+            let field = shape.surface_at_hit(p);
             let is_hit = (hit_leaf - N::constant(leaf)).abs().lt(N::constant(0.5));
             result = Surface {
                 field: Dual::select(is_hit, field, result.field),

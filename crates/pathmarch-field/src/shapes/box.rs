@@ -26,6 +26,10 @@ impl ShapeDef for Shape {
         let inside = excess.largest().min(N::zero());
         outside + inside
     }
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, [x, y, z]: [N; 3]) -> N {
+        (p.abs() - Vec3::new(x, y, z) * N::constant(0.5)).largest()
+    }
     const CONVEX: bool = true;
     #[inline(always)]
     fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> RayInterval<N> {

@@ -43,6 +43,12 @@ impl ShapeDef for Shape {
         let inside = side.max(below).named("inside");
         N::select(zero.lt(inside), from_segment.min(from_base), inside)
     }
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, [radius, height]: [N; 2]) -> N {
+        let outwards = p.x.hypot(p.z) - radius;
+        let below = -p.y - height * N::constant(0.5);
+        ((outwards * height - below * radius) / radius.hypot(height)).max(below)
+    }
     const CONVEX: bool = true;
     #[inline(always)]
     fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> RayInterval<N> {

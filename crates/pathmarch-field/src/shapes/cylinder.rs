@@ -26,6 +26,10 @@ impl ShapeDef for Shape {
         let ends = (p.y.abs() - height * N::constant(0.5)).named("ends");
         side.max(N::zero()).hypot(ends.max(N::zero())) + side.max(ends).min(N::zero())
     }
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, [radius, height]: [N; 2]) -> N {
+        (p.x.hypot(p.z) - radius).max(p.y.abs() - height * N::constant(0.5))
+    }
     const CONVEX: bool = true;
     #[inline(always)]
     fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> RayInterval<N> {

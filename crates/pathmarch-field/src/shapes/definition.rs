@@ -26,6 +26,12 @@ pub trait ShapeDef: Send + Sync + 'static {
     fn distance_compact<N: Real>(p: Vec3<N>, params: Self::Params<N>) -> N {
         Self::distance(p, params)
     }
+    /// Distance to the face or curved side that an analytic hit `p` is on: [`distance`](Self::distance) in less code, and only
+    /// there. On an edge it is that of either face.
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, params: Self::Params<N>) -> N {
+        Self::distance_compact(p, params)
+    }
     /// Bounding box of the solid.
     fn bounds(params: Self::Params<f32>) -> Aabb;
     /// Lipschitz constant: an upper bound of |∇distance|.

@@ -23,6 +23,10 @@ impl ShapeDef for Shape {
         let past_rim = (p.x.hypot(p.z) - radius).named("past_rim");
         N::select(N::zero().lt(past_rim), past_rim.hypot(p.y), p.y.abs())
     }
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, _: [N; 1]) -> N {
+        p.y.abs()
+    }
     const ANALYTIC: bool = true;
     #[inline(always)]
     fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius]: [N; 1]) -> N {

@@ -36,6 +36,10 @@ pub trait EvalShape<N: Real> {
     fn distance(&self, p: Vec3<N>, params: &[f32]) -> N;
     /// Distance and gradient at `p`.
     fn gradient(&self, p: Vec3<Dual<N>>, params: &[f32]) -> Dual<N>;
+    /// Distance and gradient at an analytic hit; see [`ShapeDef::distance_at_hit`](super::ShapeDef::distance_at_hit).
+    fn gradient_at_hit(&self, p: Vec3<Dual<N>>, params: &[f32]) -> Dual<N> {
+        self.gradient(p, params)
+    }
     /// Interval of a line inside a convex solid; see [`ShapeDef::interval`](super::ShapeDef::interval).
     fn interval(&self, _origin: Vec3<N>, _direction: Vec3<N>, _params: &[f32]) -> RayInterval<N> {
         RayInterval::empty()
@@ -113,6 +117,10 @@ pub trait Shape: EvalShape<f32x8> + EvalShape<f32> + Send + Sync {
     fn wgsl_distance(&self) -> String;
     /// Gradient (xyz) and distance (w) as a WGSL function `NAME_gradient(p: vec3f, …) -> vec4f`.
     fn wgsl_gradient(&self) -> String;
+    /// Gradient and distance at an analytic hit as a WGSL function `NAME_hit_gradient(p: vec3f, …) -> vec4f`.
+    fn wgsl_hit_gradient(&self) -> String {
+        String::new()
+    }
     /// Prefix of the names of its WGSL functions.
     fn wgsl_name(&self) -> String {
         identifier(&self.info().name).trim_end_matches('_').to_owned()

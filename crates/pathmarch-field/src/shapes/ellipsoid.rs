@@ -73,6 +73,13 @@ impl ShapeDef for Shape {
         let outside = (normal.dot(p) - support) / normal.length().max(tiny);
         N::select(zero.lt(level), outside, level * smallest)
     }
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, [x, y, z]: [N; 3]) -> N {
+        // Quilez 2008: k0 (k0 - 1)/k1, exact to first order.
+        let k0 = Vec3::new(p.x / x, p.y / y, p.z / z).length();
+        let k1 = Vec3::new(p.x / (x * x), p.y / (y * y), p.z / (z * z)).length();
+        k0 * (k0 - N::one()) / k1.max(N::constant(TINY))
+    }
     const CONVEX: bool = true;
     #[inline(always)]
     fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, y, z]: [N; 3]) -> RayInterval<N> {

@@ -34,12 +34,21 @@ fn shape_name(name: &str, variant: u32) -> String {
     if variant > 0 { format!("{name}_{variant}") } else { name.to_owned() }
 }
 
+/// Outputs of a gradient function: the derivatives of a distance along the axes, then the distance.
+fn gradient<V: Values<Dual<Expr>>>(inputs: &[Expr], distance: impl Fn(Vec3<Dual<Expr>>, V) -> Dual<Expr>) -> Vec<Expr> {
+    let params = V::from_fn(|k| Dual::independent(inputs[3 + k]));
+    Expr::outputs(distance(Dual::variables(Expr::point(inputs, 0)), params))
+}
+
 impl<T: ShapeDef, N: Differentiable> EvalShape<N> for Entry<T> {
     fn distance(&self, p: Vec3<N>, params: &[f32]) -> N {
         T::distance(p, values(params))
     }
     fn gradient(&self, p: Vec3<Dual<N>>, params: &[f32]) -> Dual<N> {
         T::distance_compact(p, values(params))
+    }
+    fn gradient_at_hit(&self, p: Vec3<Dual<N>>, params: &[f32]) -> Dual<N> {
+        T::distance_at_hit(p, values(params))
     }
     fn interval(&self, origin: Vec3<N>, direction: Vec3<N>, params: &[f32]) -> RayInterval<N> {
         T::interval(origin, direction, values(params))
@@ -113,9 +122,10 @@ impl<T: ShapeDef> Shape for Entry<T> {
     }
     fn wgsl_gradient(&self) -> String {
         let doc = "Gradient (xyz) and distance (w) of `NAME`.".replace("NAME", &T::INFO.name);
-        shape_function(self, "gradient", &["p"], doc).print(&|inputs| {
-            let p = Dual::variables(Expr::point(inputs, 0));
-            Expr::outputs(T::distance_compact(p, T::Params::from_fn(|k| Dual::independent(inputs[3 + k]))))
-        })
+        shape_function(self, "gradient", &["p"], doc).print(&|inputs| gradient(inputs, T::distance_compact))
+    }
+    fn wgsl_hit_gradient(&self) -> String {
+        let doc = "Gradient (xyz) and distance (w) of `NAME` at the hit of a ray.".replace("NAME", &T::INFO.name);
+        shape_function(self, "hit_gradient", &["p"], doc).print(&|inputs| gradient(inputs, T::distance_at_hit))
     }
 }

@@ -42,6 +42,12 @@ impl ShapeDef for Shape {
         let outside = Vec3::new(past_corner, side.max(zero), ends.max(zero)).length();
         N::select(zero.lt(inside.max(past_corner)), outside, inside)
     }
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, [radius, height]: [N; 2]) -> N {
+        let (half, half_root) = (N::constant(0.5), N::constant(HALF_SQRT_3));
+        let slanted = half_root * p.x.abs() + half * p.z.abs();
+        (p.z.abs().max(slanted) - half_root * radius).max(p.y.abs() - half * height)
+    }
     const CONVEX: bool = true;
     #[inline(always)]
     fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius, height]: [N; 2]) -> RayInterval<N> {

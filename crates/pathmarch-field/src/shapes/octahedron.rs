@@ -50,6 +50,11 @@ impl ShapeDef for Shape {
         let past_face = (c * N::constant(3.0)).lt(excess);
         N::select(past_face, N::select(b.lt(past_corner), from_corner, from_edge), from_face)
     }
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, [radius]: [N; 1]) -> N {
+        let q = p.abs();
+        (q.x + q.y + q.z - radius) * N::constant(INVERSE_SQRT_3)
+    }
     const CONVEX: bool = true;
     #[inline(always)]
     fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [radius]: [N; 1]) -> RayInterval<N> {

@@ -41,6 +41,13 @@ impl ShapeDef for Shape {
         let outside = Vec3::new(past_corner, below.max(zero), ends.max(zero)).length();
         N::select(zero.lt(inside.max(past_corner)), outside, inside)
     }
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, [side, depth]: [N; 2]) -> N {
+        let half = N::constant(0.5);
+        let slanted = (N::constant(SQRT_3) * p.x.abs() + p.y) * half;
+        let sides = (-p.y).max(slanted) - side * N::constant(0.5 / SQRT_3);
+        sides.max(p.z.abs() - depth * half)
+    }
     const CONVEX: bool = true;
     #[inline(always)]
     fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [side, depth]: [N; 2]) -> RayInterval<N> {

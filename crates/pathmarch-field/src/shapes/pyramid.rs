@@ -52,6 +52,12 @@ impl ShapeDef for Shape {
         let inside = face.max(-p.y).named("inside");
         N::select(zero.lt(inside), from_face.min(from_base), inside)
     }
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, [base, height]: [N; 2]) -> N {
+        let half = base * N::constant(0.5);
+        let outwards = p.x.abs().max(p.z.abs()) - half;
+        ((outwards * height + p.y * half) / half.hypot(height)).max(-p.y)
+    }
     const CONVEX: bool = true;
     #[inline(always)]
     fn interval<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [base, height]: [N; 2]) -> RayInterval<N> {

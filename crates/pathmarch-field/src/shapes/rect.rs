@@ -26,6 +26,10 @@ impl ShapeDef for Shape {
         let beside = Vec3::new(past_x.max(N::zero()), p.y, past_z.max(N::zero())).length();
         N::select(N::zero().lt(past_x.max(past_z)), beside, p.y.abs())
     }
+    #[inline(always)]
+    fn distance_at_hit<N: Real>(p: Vec3<N>, _: [N; 2]) -> N {
+        p.y.abs()
+    }
     const ANALYTIC: bool = true;
     #[inline(always)]
     fn ray<N: Real>(origin: Vec3<N>, direction: Vec3<N>, [x, z]: [N; 2]) -> N {

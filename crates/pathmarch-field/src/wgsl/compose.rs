@@ -230,7 +230,8 @@ impl<'a> Composed<'a> {
         let mut is_record = vec![false; field.leaves().len()];
         let records = field.shape_grids().iter().flat_map(ShapeGrid::leaves);
         records.chain(field.bvh().leaves()).for_each(|leaf| is_record[leaf as usize] = true);
-        for (leaf, is_record) in field.leaves().iter().zip(is_record) {
+        let analytic: BTreeSet<u32> = field.analytic_objects().flat_map(analytic::leaves).collect();
+        for ((index, leaf), is_record) in (0..).zip(field.leaves()).zip(is_record) {
             composer.starts.push(composer.parameters.len());
             if is_record {
                 continue;
@@ -240,7 +241,7 @@ impl<'a> Composed<'a> {
                 true => composer.pack(&leaf.pose, &[0.0]),
                 false => composer.pack(&leaf.pose, &leaf.params),
             }
-            if printed.insert(leaf.shape.wgsl_name()) {
+            if !analytic.contains(&index) && printed.insert(leaf.shape.wgsl_name()) {
                 functions.insert((0, leaf.shape.wgsl_gradient()));
             }
         }

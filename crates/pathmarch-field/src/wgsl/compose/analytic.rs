@@ -12,10 +12,9 @@ impl Composer<'_> {
     pub(super) fn rays(&self, object: &Tree, functions: &mut BTreeSet<(u32, String)>) {
         for leaf in leaves(object) {
             let shape = &self.field.leaves()[leaf as usize].shape;
-            functions.insert((
-                0,
-                if self.field.direct(object).is_some() { shape.wgsl_ray() } else { shape.wgsl_interval() },
-            ));
+            let is_single = self.field.direct(object).is_some();
+            functions.insert((0, if is_single { shape.wgsl_ray() } else { shape.wgsl_interval() }));
+            functions.insert((0, shape.wgsl_hit_gradient()));
         }
     }
 

@@ -41,7 +41,7 @@ impl Composer<'_> {
         }
         for index in self.field.analytic_objects().flat_map(analytic::leaves) {
             let mut inner = String::new();
-            let (value, leaf) = self.tree_surface(&Tree::Leaf(index), &mut inner, &mut counter);
+            let (value, leaf) = self.leaf_surface(index, "hit_gradient", &mut inner, &mut counter);
             let sign = if self.field.leaves()[index as usize].subtracted { "-" } else { "" };
             text += &skipped_if(&format!("hit_id != {leaf}"));
             text += &inner;
@@ -63,39 +63,39 @@ impl Composer<'_> {
         text + "    return Surface(nearest.xyz, nearest.w, leaf, triangle);\n}\n"
     }
 
+    /// Prints the statements of a leaf's surface by a gradient function of its shape to `text`; returns expressions as
+    /// [`tree_surface`](Self::tree_surface).
+    fn leaf_surface(&self, index: u32, function: &str, text: &mut String, counter: &mut u32) -> (String, String) {
+        let leaf = &self.field.leaves()[index as usize];
+        let (point, values) = self.arguments(index, "p");
+        let call = format!("{}_{function}({point}{values})", leaf.shape.wgsl_name());
+        let name = fresh("g", counter);
+        let start = self.starts[index as usize];
+        match leaf.pose.turn {
+            Turn::None => writeln!(text, "    let {name} = {call};"),
+            Turn::Scaled => {
+                writeln!(text, "    let {name} = {call} * vec4f(1.0, 1.0, 1.0, {});", component(start, 3))
+            }
+            Turn::Turned => {
+                let local = fresh("l", counter);
+                let scale = component(start, 3);
+                let surface = match self.constant_axes(&leaf.pose) {
+                    Some(axes) => format!("vec4f({}, {local}.w * {scale})", swizzled(&local, inverse(axes))),
+                    None => format!("vec4f({} * {local}.xyz, {local}.w) * {scale}", rows(start + 1)),
+                };
+                writeln!(text, "    let {local} = {call};\n    let {name} = {surface};")
+            }
+        }
+        .expect("writing to a string");
+        (name, format!("{index}u"))
+    }
+
     /// Prints the statements of a tree's surface to `text`; returns the expressions of gradient and distance, and of the leaf.
     pub(super) fn tree_surface(&self, tree: &Tree, text: &mut String, counter: &mut u32) -> (String, String) {
-        let mut fresh = |prefix: &str| {
-            *counter += 1;
-            format!("{prefix}{}", *counter - 1)
-        };
         match tree {
-            Tree::Leaf(index) => {
-                let leaf = &self.field.leaves()[*index as usize];
-                let (point, values) = self.arguments(*index, "p");
-                let call = format!("{}_gradient({point}{values})", leaf.shape.wgsl_name());
-                let name = fresh("g");
-                let start = self.starts[*index as usize];
-                match leaf.pose.turn {
-                    Turn::None => writeln!(text, "    let {name} = {call};"),
-                    Turn::Scaled => {
-                        writeln!(text, "    let {name} = {call} * vec4f(1.0, 1.0, 1.0, {});", component(start, 3))
-                    }
-                    Turn::Turned => {
-                        let local = fresh("l");
-                        let scale = component(start, 3);
-                        let surface = match self.constant_axes(&leaf.pose) {
-                            Some(axes) => format!("vec4f({}, {local}.w * {scale})", swizzled(&local, inverse(axes))),
-                            None => format!("vec4f({} * {local}.xyz, {local}.w) * {scale}", rows(start + 1)),
-                        };
-                        writeln!(text, "    let {local} = {call};\n    let {name} = {surface};")
-                    }
-                }
-                .expect("writing to a string");
-                (name, format!("{index}u"))
-            }
+            Tree::Leaf(index) => self.leaf_surface(*index, "gradient", text, counter),
             Tree::Modifier(modified) => {
-                let (name, surface) = (fresh("g"), fresh("s"));
+                let (name, surface) = (fresh("g", counter), fresh("s", counter));
                 writeln!(
                     text,
                     "    let {surface} = modified_{}_surface(p, seed);\n    let {name} = vec4f({surface}.gradient, {surface}.distance);",
@@ -105,7 +105,7 @@ impl Composer<'_> {
                 (name, format!("{surface}.leaf"))
             }
             Tree::Operator { shape_grid: Some(index), .. } => {
-                let (name, surface) = (fresh("g"), fresh("s"));
+                let (name, surface) = (fresh("g", counter), fresh("s", counter));
                 writeln!(
                     text,
                     "    let {surface} = shape_grid_{index}_surface(p, seed);\n    let {name} = vec4f({surface}.gradient, \
@@ -139,6 +139,12 @@ impl Composer<'_> {
             }
         }
     }
+}
+
+/// Name that no other statement of the function has.
+fn fresh(prefix: &str, counter: &mut u32) -> String {
+    *counter += 1;
+    format!("{prefix}{}", *counter - 1)
 }
 
 /// Opening of a block that all invocations skip if none needs it, as a loop with one pass: software Vulkan runs both sides of
