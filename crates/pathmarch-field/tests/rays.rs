@@ -117,7 +117,7 @@ fn normals_where_rays_meet_sheets_are_those_of_the_distance() {
     let mut random = Random::new(11);
     for shape in shapes().iter().filter(|shape| shape.info().sheet) {
         let (mut hits, mut agree) = (0, 0);
-        for _ in 0..400 {
+        for _ in 0..4000 {
             let params = shape.params().iter().map(|_| random.within(0.5, 3.0)).collect();
             let node =
                 Node { kind: Kind::Shape { shape: (*shape).into(), params, tag: 0 }, placement: placed(&mut random) };
