@@ -8,11 +8,13 @@
 mod dual;
 mod lanes;
 mod scalar;
+mod unit_circle;
 mod values;
 mod vec3;
 
 pub use dual::Dual;
 pub use lanes::Mask8;
+pub use unit_circle::unit_circle;
 pub use values::Values;
 pub(crate) use values::values;
 pub use vec3::Vec3;

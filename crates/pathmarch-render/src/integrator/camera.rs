@@ -5,8 +5,8 @@ use crate::intersect::ray::Ray;
 use crate::sampling::sobol::{PixelSampler, pair, place_by_group};
 use crate::scene::{FrameUniforms, TraceContext};
 use glam::Vec3;
+use pathmarch_field::number::unit_circle;
 use pathmarch_scene::Sampler;
-use std::f32::consts::TAU;
 
 /// Random numbers of sample `sample` of the pixel (`x`, `y`), with the seed and the sampler of the frame.
 pub(crate) fn pixel_sampler(ctx: &TraceContext, x: u32, y: u32, sample: u32) -> PixelSampler {
@@ -26,7 +26,7 @@ pub(crate) fn camera_rays(frame: &FrameUniforms, pixels: &[(u32, u32)], samplers
     }
     let [right, up] = [frame.right, frame.up].map(|axis| Vec3::from(axis).normalize() * frame.lens_radius);
     let lens_ray = |(view_vector, [u, v]): (Vec3, [f32; 2])| {
-        let (sine, cosine) = (TAU * v).sin_cos();
+        let [cosine, sine] = unit_circle(v);
         let offset = (right * cosine + up * sine) * u.sqrt();
         Ray { origin: position + offset, direction: (view_vector * frame.focus - offset).normalize() }
     };

@@ -1,4 +1,4 @@
-// import: intersect/ray, sampler
+// import: intersect/ray, sampler, sampling/unit_circle
 // Camera rays. Twin of camera.rs.
 
 /// Camera ray of a sample of the pixel (`x`, `y`); row 0 is at the top.
@@ -26,7 +26,7 @@ fn camera_ray_of(pixel: vec2u, size: vec2u, sampler: PixelSampler) -> Ray {
     }
     let u = sample_2d(sampler, PAIR_LENS);
     let radius = frame.lens_radius * sqrt(u.x);
-    let angle = 6.2831853 * u.y;
-    let offset = normalize(frame.right) * (radius * cos(angle)) + normalize(frame.up) * (radius * sin(angle));
+    let disc_point = radius * unit_circle(u.y);
+    let offset = normalize(frame.right) * disc_point.x + normalize(frame.up) * disc_point.y;
     return Ray(frame.position + offset, normalize(view_vector * frame.focus - offset));
 }

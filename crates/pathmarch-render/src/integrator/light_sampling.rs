@@ -19,7 +19,7 @@ use crate::scene::sky::EnvironmentSample;
 use crate::scene::{LightTree, RenderScene, SkyLight, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
-use pathmarch_field::number::Real;
+use pathmarch_field::number::{Real, unit_circle};
 use pathmarch_scene::DirectLighting;
 use pathmarch_scene::textures::{MeshAttributes, Spot};
 use std::f32::consts::{PI, TAU};
@@ -241,7 +241,7 @@ pub(super) fn subtended_cone(square: f32, radius: f32) -> f32 {
 pub(super) fn cone_direction(axis: Vec3, one_minus_cos: f32, position: [f32; 2]) -> Vec3 {
     let one_minus_cos_theta = one_minus_cos * position[0];
     let sine = (one_minus_cos_theta * (2.0 - one_minus_cos_theta)).max(0.0).sqrt();
-    let (sin_phi, cos_phi) = (TAU * position[1]).sin_cos();
+    let [cos_phi, sin_phi] = unit_circle(position[1]);
     (basis(axis) * Vec3::new(sine * cos_phi, sine * sin_phi, 1.0 - one_minus_cos_theta)).normalize()
 }
 
@@ -273,7 +273,7 @@ pub(super) fn sample_area(shape: &LightShape, p: Vec3, [u, v]: [f32; 2]) -> (Vec
         }
         LightShape::Disc(SheetLight { centre, axes: [x, z], normal, radius, area, .. }) => {
             let radius = radius * u.sqrt();
-            let (sin_phi, cos_phi) = (TAU * v).sin_cos();
+            let [cos_phi, sin_phi] = unit_circle(v);
             (*centre + *x * (radius * cos_phi) + *z * (radius * sin_phi), *normal, *area)
         }
         LightShape::Box(light) => {

@@ -1,4 +1,4 @@
-// import: sampling/basis, integrator/light_weights, integrator/sky, light_choice, mesh_lights
+// import: sampling/basis, sampling/unit_circle, integrator/light_weights, integrator/sky, light_choice, mesh_lights
 // Light sampling. Twin of light_sampling.rs, which explains it.
 
 /// Number for the choice of light sample `k` of `count` at a surface, in a stratum of its own.
@@ -107,8 +107,7 @@ fn subtended_cone(square: f32, radius: f32) -> f32 {
 fn cone_direction(axis: vec3f, one_minus_cos: f32, position: vec2f) -> vec3f {
     let one_minus_cos_theta = one_minus_cos * position.x;
     let sine = sqrt(max(one_minus_cos_theta * (2.0 - one_minus_cos_theta), 0.0));
-    let angle = 6.2831853 * position.y;
-    return normalize(basis(axis) * vec3f(sine * cos(angle), sine * sin(angle), 1.0 - one_minus_cos_theta));
+    return normalize(basis(axis) * vec3f(sine * unit_circle(position.y), 1.0 - one_minus_cos_theta));
 }
 
 /// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at
@@ -128,9 +127,8 @@ fn sample_area(light: Light, p: vec3f, emission: vec3f, position: vec2f) -> Ligh
     if HAS_RECT && light.kind == RECT {
         point += light.x * (2.0 * position.x - 1.0) + light.z * (2.0 * position.y - 1.0);
     } else if HAS_DISC && light.kind == DISC {
-        let radius = light.radius * sqrt(position.x);
-        let angle = 6.2831853 * position.y;
-        point += light.x * (radius * cos(angle)) + light.z * (radius * sin(angle));
+        let disc_point = light.radius * sqrt(position.x) * unit_circle(position.y);
+        point += light.x * disc_point.x + light.z * disc_point.y;
     } else if HAS_BOX {
         let areas = visible_areas(light, p);
         area = areas.w;

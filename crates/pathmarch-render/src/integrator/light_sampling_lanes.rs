@@ -9,7 +9,7 @@ use crate::sampling::basis::Basis8;
 use crate::scene::TraceContext;
 use crate::scene::light::{LightShape, PointLight, SheetLight, SphereLight};
 use glam::Vec3;
-use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
+use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3, unit_circle};
 use pathmarch_scene::DirectLighting;
 use std::f32::consts::TAU;
 use wide::f32x8;
@@ -183,7 +183,7 @@ fn sample_spheres(
     let axis = normalize_or_up(offset, square);
     let one_minus_cos_theta = one_minus_cos * position[0];
     let sine = (one_minus_cos_theta * (two - one_minus_cos_theta)).fast_max(zero).sqrt();
-    let (sin_phi, cos_phi) = (f32x8::splat(TAU) * position[1]).sin_cos();
+    let [cos_phi, sin_phi] = unit_circle(position[1]);
     let local = FieldVec3::new(sine * cos_phi, sine * sin_phi, one - one_minus_cos_theta);
     let direction = Basis8::new(axis).to_world(local);
     let direction = direction / direction.length();

@@ -23,7 +23,8 @@ use crate::sampling::basis::basis;
 use crate::scene::{Medium, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
-use std::f32::consts::{PI, TAU};
+use pathmarch_field::number::unit_circle;
+use std::f32::consts::PI;
 
 shared_constants! {
     /// Optical depth below which a series replaces 1 - exp(-x).
@@ -87,7 +88,7 @@ pub(super) fn sample_phase(anisotropy: f32, incoming: Vec3, [u, v]: [f32; 2]) ->
         cosine = ((1.0 + g * g - root * root) / (2.0 * g)).clamp(-1.0, 1.0);
     }
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-    let (sin_phi, cos_phi) = (TAU * v).sin_cos();
+    let [cos_phi, sin_phi] = unit_circle(v);
     (basis(incoming) * Vec3::new(sine * cos_phi, sine * sin_phi, cosine)).normalize()
 }
 

@@ -1,4 +1,5 @@
 // import: integrator/light_sampling, integrator/medium, nested_dielectrics, sampling/basis
+// import: sampling/unit_circle
 // Media that scatter and emit. Twin of participating_media.rs, which explains them, and of scene/medium.rs.
 
 /// Solids around a path, in scenes with nested dielectrics.
@@ -155,8 +156,7 @@ fn sample_phase(anisotropy: f32, incoming: vec3f, u: vec2f) -> vec3f {
         cosine = clamp((1.0 + g * g - root * root) / (2.0 * g), -1.0, 1.0);
     }
     let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    let angle = 6.2831853 * u.y;
-    return normalize(basis(incoming) * vec3f(sine * cos(angle), sine * sin(angle), cosine));
+    return normalize(basis(incoming) * vec3f(sine * unit_circle(u.y), cosine));
 }
 
 /// Probabilities of the channels, in proportion to what they carry.

@@ -29,7 +29,8 @@ fn refract_at(path: ptr<function, Path>, leaf: u32, random: f32) {
 
 /// Russian roulette with a random number. Returns false if the path ends.
 fn survives(path: ptr<function, Path>, random: f32) -> bool {
-    if (*path).surfaces > ROULETTE_DEPTH {
+    // Not short-circuited: software Vulkan would compile the kernel again for a branch by a uniform alone.
+    if (frame.bounces > ROULETTE_DEPTH) & ((*path).surfaces > ROULETTE_DEPTH) {
         let survival_probability = min(SURVIVAL_FACTOR * largest((*path).throughput) * (*path).index_square, 1.0);
         if random >= survival_probability {
             return false;

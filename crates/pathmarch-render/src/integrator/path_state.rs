@@ -3,6 +3,7 @@
 use super::light_sampling;
 use crate::intersect::ray::Ray;
 use crate::sampling::sobol::PixelSampler;
+use crate::scene::frame::NO_CLAMP;
 use crate::scene::{Medium, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
@@ -83,7 +84,7 @@ pub(super) fn disperse(wavelength: &mut Option<f32>, carried: &mut Vec3, random:
 
 /// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
 pub(super) fn clamped(ctx: &TraceContext, contribution: Vec3, bounces: u32) -> Vec3 {
-    if bounces == 0 {
+    if bounces == 0 || ctx.frame.clamp >= NO_CLAMP {
         return contribution;
     }
     contribution * (ctx.frame.clamp / contribution.max_element().max(ctx.frame.clamp))

@@ -4,7 +4,7 @@
 
 /// Contribution of light after this many bounces; that of indirect light is clamped to the limit of the frame.
 fn clamped(contribution: vec3f, bounces: u32) -> vec3f {
-    if bounces == 0u {
+    if !CLAMPS || bounces == 0u {
         return contribution;
     }
     return contribution * (frame.clamp / max(largest(contribution), frame.clamp));

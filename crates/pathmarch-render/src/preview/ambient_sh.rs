@@ -24,8 +24,9 @@ use crate::scene::light::{SphereLight, luminance};
 use crate::scene::{FrameUniforms, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, surface_interactions};
 use glam::Vec3;
+use pathmarch_field::number::unit_circle;
 use rayon::prelude::*;
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 
 /// Columns and rows of the grid of camera rays.
 const CAMERA_GRID: [u32; 2] = [8, 4];
@@ -121,7 +122,7 @@ fn points(ctx: &TraceContext) -> Vec<Vec3> {
 fn sample_sphere([u, v]: [f32; 2]) -> Vec3 {
     let y = 1.0 - 2.0 * u;
     let radius = (1.0 - y * y).max(0.0).sqrt();
-    let (sine, cosine) = (TAU * v).sin_cos();
+    let [cosine, sine] = unit_circle(v);
     Vec3::new(radius * cosine, y, radius * sine)
 }
 
@@ -171,7 +172,7 @@ pub(super) fn visible_share(ctx: &TraceContext, sphere: &SphereLight) -> f32 {
             let sampler = PixelSampler::new(0, 0, k, 0);
             let direction = sample_sphere(sampler.sample_2d(0));
             let [u, v] = sampler.sample_2d(1);
-            let (sine, cosine) = (TAU * v).sin_cos();
+            let [cosine, sine] = unit_circle(v);
             let disc_point = basis::basis(direction) * Vec3::new(u.sqrt() * cosine, u.sqrt() * sine, -1.0);
             let ray = Ray { origin: centre + disc_point * sphere.radius, direction };
             RaySegment { ray, path_length: 0.0, limit: 2.0 * sphere.radius }

@@ -91,7 +91,7 @@ shared_struct! {
 /// About four times the relative rounding error of an `f32` coordinate.
 const ROUNDING: f32 = 4e-7;
 /// Larger than any contribution that the film accepts.
-const NO_CLAMP: f32 = 1e30;
+pub(crate) const NO_CLAMP: f32 = 1e30;
 /// Largest distance along a ray, in radii of the scene. Infinite planes are cut off there.
 const FAR_RADII: f32 = 2000.0;
 /// Finite substitute for infinity in the bounds: its product with zero is defined.

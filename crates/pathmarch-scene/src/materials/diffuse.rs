@@ -8,8 +8,8 @@ use super::{
 };
 use glam::Vec3;
 use pathmarch_field::Range;
-use pathmarch_field::number::{Real, Vec3 as FieldVec3};
-use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use pathmarch_field::number::{Real, Vec3 as FieldVec3, unit_circle};
+use std::f32::consts::FRAC_1_PI;
 use wide::f32x8;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
@@ -57,13 +57,13 @@ pub(super) static KIND: MaterialKind = MaterialKind {
 };
 
 fn eval(parameters: &BsdfParameters, _wo: Vec3, wi: Vec3, _inside: bool) -> Eval {
-    let pdf = wi.z.max(0.0) / PI;
+    let pdf = wi.z.max(0.0) * FRAC_1_PI;
     Eval { value: colour_of(parameters) * pdf, pdf }
 }
 
 fn sample(parameters: &BsdfParameters, _wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Option<Scattered> {
     let wi = cosine_direction([u, v]);
-    Some(Scattered { wi: wi.into(), weight: colour_of(parameters), pdf: wi.z / PI, eta: 1.0 })
+    Some(Scattered { wi: wi.into(), weight: colour_of(parameters), pdf: wi.z * FRAC_1_PI, eta: 1.0 })
 }
 
 /// Lambertian reflection for eight paths.
@@ -89,6 +89,6 @@ impl BsdfInLanes for DiffuseInLanes {
 #[inline(always)]
 pub(super) fn cosine_direction<N: Real>([u, v]: [N; 2]) -> FieldVec3<N> {
     let radius = u.sqrt();
-    let (sine, cosine) = (N::constant(TAU) * v).sin_cos();
+    let [cosine, sine] = unit_circle(v);
     FieldVec3::new(radius * cosine, radius * sine, (N::one() - u).max(N::constant(1e-8)).sqrt())
 }

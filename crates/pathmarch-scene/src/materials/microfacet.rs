@@ -9,8 +9,8 @@
 //! SIMD lanes. Twin of microfacet.wgsl.
 
 use glam::Vec3;
-use pathmarch_field::number::{Real, Vec3 as FieldVec3};
-use std::f32::consts::{PI, TAU};
+use pathmarch_field::number::{Real, Vec3 as FieldVec3, unit_circle};
+use std::f32::consts::PI;
 
 /// Below this, a surface is a mirror: its lobe is narrower than anything a picture resolves.
 pub(super) const MIRROR_ALPHA: f32 = 1e-4;
@@ -78,7 +78,7 @@ pub(super) fn refraction_pdf(wo: Vec3, wi: Vec3, h: Vec3, alpha: f32, eta: f32) 
 pub(super) fn visible_normal<N: Real>(wo: impl Into<FieldVec3<N>>, alpha: N, [u, v]: [N; 2]) -> FieldVec3<N> {
     let (wo, one, zero) = (wo.into(), N::one(), N::zero());
     let round = FieldVec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalized();
-    let (sine, cosine) = (N::constant(TAU) * u).sin_cos();
+    let [cosine, sine] = unit_circle(u);
     let z = (one - v) * (one + round.z) - round.z;
     let radius = (one - z * z).max(zero).sqrt();
     let h = FieldVec3::new(radius * cosine, radius * sine, z) + round;

@@ -38,10 +38,9 @@ fn refraction_pdf(wo: vec3f, wi: vec3f, h: vec3f, alpha: f32, eta: f32) -> f32 {
 
 fn visible_normal(wo: vec3f, alpha: f32, u: vec2f) -> vec3f {
     let round = normalize(vec3f(alpha * wo.x, alpha * wo.y, wo.z));
-    let angle = 6.2831853 * u.x;
     let z = (1.0 - u.y) * (1.0 + round.z) - round.z;
     let radius = sqrt(max(1.0 - z * z, 0.0));
-    let h = vec3f(radius * cos(angle), radius * sin(angle), z) + round;
+    let h = vec3f(radius * unit_circle(u.x), z) + round;
     return normalize(vec3f(alpha * h.x, alpha * h.y, max(h.z, 1e-9)));
 }
 

@@ -13,7 +13,5 @@ const ABSORBED = Scattered(vec3f(0.0, 0.0, 1.0), -1.0, vec3f(0.0), 1.0);
 
 /// A direction about z, its density cosine/π over solid angle.
 fn cosine_direction(u: vec2f) -> vec3f {
-    let radius = sqrt(u.x);
-    let angle = 6.2831853 * u.y;
-    return vec3f(radius * cos(angle), radius * sin(angle), sqrt(max(1.0 - u.x, 1e-8)));
+    return vec3f(sqrt(u.x) * unit_circle(u.y), sqrt(max(1.0 - u.x, 1e-8)));
 }

@@ -8,6 +8,7 @@ use super::shaders;
 use crate::backend::RenderInput;
 use crate::mode::Mode;
 use crate::preview::Preview;
+use crate::scene::frame::NO_CLAMP;
 use crate::scene::material::GLOWS;
 use crate::scene::{KernelConfig, MaterialRecord, Medium, TexturedMaterial};
 use pathmarch_field::wgsl::{Program, ProgramOptions};
@@ -208,6 +209,7 @@ fn constants(input: &RenderInput, data: &SceneData) -> String {
         ("TRACED_CAUSTICS", config.traced_caustics),
         ("PENUMBRA", config.penumbra),
         ("REFINED_GRAZING", config.refined_grazing),
+        ("CLAMPS", input.frame.clamp < NO_CLAMP),
         ("HAS_SPHERE_TRACED", scene.is_sphere_traced()),
         ("HAS_EMITTERS", scene.materials.iter().any(MaterialRecord::emits)),
         ("HAS_LIGHTS", !scene.lights.is_empty()),

@@ -113,6 +113,7 @@ static FILES: &[ShaderFile] = shader_files![
     },
     "preview/soft_shadow" shares soft_shadow::shared_wgsl,
     "sampling/basis",
+    "sampling/unit_circle",
     "sampling/r2_sequence" shares || pair::shared_wgsl() + &sampling::shared_wgsl(),
     "sampling/sobol" shares || pair::shared_wgsl() + &sampling::shared_wgsl() + &encode::samplers_wgsl(),
     "shading/mesh_fields",

@@ -17,6 +17,7 @@ use crate::scene::medium::medium_at;
 use crate::scene::{Extent, FrameUniforms, Medium, RenderScene};
 use glam::Vec3;
 use pathmarch_field::Aabb;
+use pathmarch_field::number::unit_circle;
 use pathmarch_scene::{Camera, Scene};
 use std::f32::consts::{PI, TAU};
 
@@ -187,7 +188,7 @@ impl Emission {
 
     /// Point of a plane across parallel light, and its pdf over area, that of all targets together.
     fn parallel_point(&self, probabilities: &[f32], target: usize, axis: Vec3, [u, v]: [f32; 2]) -> (Vec3, f32) {
-        let (sin_phi, cos_phi) = (TAU * v).sin_cos();
+        let [cos_phi, sin_phi] = unit_circle(v);
         let (middle, distance) = match &self.targets[target] {
             Target::Sphere { centre, radius } => (*centre, radius * u.sqrt()),
             Target::Everywhere => (self.extent.centre, self.extent.radius * (u / (1.0 - u).max(1e-6)).sqrt()),
