@@ -75,10 +75,6 @@ impl Real for f32x8 {
         f32x8::cos(self)
     }
     #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        f32x8::sin_cos(self)
-    }
-    #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         f32x8::atan2(self, x)
     }

@@ -86,10 +86,6 @@ pub trait Real:
         self
     }
 
-    /// Sine and cosine of an angle in radians.
-    fn sin_cos(self) -> (Self, Self) {
-        (self.sin(), self.cos())
-    }
     /// Power of `self`; defined for positive `self`.
     fn pow(self, exponent: Self) -> Self {
         (self.ln() * exponent).exp()

@@ -38,10 +38,6 @@ impl Real for f32 {
         f32::cos(self)
     }
     #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        f32::sin_cos(self)
-    }
-    #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         f32::atan2(self, x)
     }
