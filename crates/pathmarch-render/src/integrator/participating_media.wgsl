@@ -1,5 +1,4 @@
-// import: integrator/light_sampling, integrator/medium, nested_dielectrics, sampling/basis
-// import: sampling/unit_circle
+// import: integrator/light_sampling, integrator/medium, nested_dielectrics, sampling/basis, sampling/unit_circle
 // Media that scatter and emit. Twin of participating_media.rs, which explains them, and of scene/medium.rs.
 
 /// Solids around a path, in scenes with nested dielectrics.
