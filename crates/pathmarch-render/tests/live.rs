@@ -34,6 +34,11 @@ fn request(scene: &Arc<Scene>, size: [u32; 2], samples: u32) -> RenderRequest {
     }
 }
 
+/// True if `backend` renders; the CPU does in place of the GPU while the kernel is compiled.
+fn renders_on(backend: Backend, status: &Status) -> bool {
+    (status.backend == "CPU") == (backend == Backend::Cpu)
+}
+
 /// Waits until a picture and the status fulfil a condition.
 fn until(live: &Live, what: &str, condition: impl Fn(&LiveImage, &Status) -> bool) -> Arc<LiveImage> {
     let started = Instant::now();
@@ -52,9 +57,8 @@ fn the_picture_equals_that_of_render_and_then_rests(backend: Backend) {
     let request = request(&scene, [96, 54], 12);
     let mut live = Live::new(backend, None, || {});
     let number = live.show(request.clone());
-    let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
     let shown = until(&live, "the whole picture", |shown, status| {
-        shown.request == number && shown.samples == 12.0 && status.resting && on_gpu(status)
+        shown.request == number && shown.samples == 12.0 && status.resting && renders_on(backend, status)
     });
     assert_eq!(shown.size, request.settings.size);
     let (film, settings) = live.film().recv().expect("an answer").expect("a film");
@@ -96,7 +100,11 @@ fn an_automatic_exposure_is_that_of_the_film_at_rest(backend: Backend) {
         let request = RenderRequest { auto_exposure: true, reconstruct, ..fixed.clone() };
         let number = live.show(request.clone());
         let shown = until(&live, "the whole picture", |shown, status| {
-            shown.request == number && shown.samples == 12.0 && status.resting && (serial == 0 || shown.serial > serial)
+            shown.request == number
+                && shown.samples == 12.0
+                && status.resting
+                && renders_on(backend, status)
+                && (serial == 0 || shown.serial > serial)
         });
         let (film, _) = live.film().recv().expect("an answer").expect("a film");
         let stops = suitable_stops(&film).expect("light");
@@ -118,7 +126,7 @@ fn a_moving_picture_is_small_and_grows_when_it_rests(backend: Backend) {
     let mut live = Live::new(backend, None, || {});
     let whole = request(&scene, [640, 360], 1);
     live.show(whole.clone());
-    until(&live, "a picture", |shown, status| shown.samples >= 1.0 && status.resting);
+    until(&live, "a picture", |shown, status| shown.samples >= 1.0 && status.resting && renders_on(backend, status));
     let mut camera = scene.cameras[0].clone();
     let mut last = 0;
     for step in 0..10 {
@@ -150,8 +158,7 @@ fn lamps_keep_their_light_while_the_view_moves(backend: Backend) {
     let mut live = Live::new(backend, None, || {});
     let whole = request(&scene, [160, 90], 1);
     live.show(whole.clone());
-    let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
-    until(&live, "a picture", |shown, status| shown.samples >= 1.0 && status.resting && on_gpu(status));
+    until(&live, "a picture", |shown, status| shown.samples >= 1.0 && status.resting && renders_on(backend, status));
     let still = Renderer::open(Backend::Cpu, None).expect("the CPU");
     let mut camera = scene.cameras[0].clone();
     for step in 0..12 {
@@ -204,9 +211,8 @@ fn a_changed_scene_is_shown(backend: Backend) {
         let scene = Arc::new(parse(&text));
         let request = request(&scene, [64, 36], 4);
         let number = live.show(request.clone());
-        let on_gpu = |status: &Status| (status.backend == "CPU") == (backend == Backend::Cpu);
         until(&live, "the changed scene", |shown, status| {
-            shown.request == number && status.resting && !status.compiling && on_gpu(status)
+            shown.request == number && status.resting && !status.compiling && renders_on(backend, status)
         });
         let (film, _) = live.film().recv().expect("an answer").expect("a film");
         let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &request.settings);
