@@ -88,17 +88,23 @@ pub(super) fn choose_light_along<'a>(
 #[inline(always)]
 fn choose_light_of<'a>(
     ctx: &TraceContext<'a>,
-    mut choice: f32,
+    choice: f32,
     walk: impl Fn(&LightTree, f32) -> Option<(usize, f32)>,
 ) -> Option<ChosenLight<'a>> {
+    if let Some(tree) = ctx.scene.light_tree.as_ref().filter(|tree| choice < tree.share) {
+        let (leaf, probability) = walk(tree, choice / tree.share)?;
+        let (index, pmf) = (tree.first + leaf, tree.share * probability);
+        return Some(ChosenLight { index, shape: &ctx.scene.lights[index].shape, pmf, inverse_pmf: 1.0 / pmf });
+    }
+    choose_light_outside_tree(ctx, choice)
+}
+
+/// Chooses one of the lights that are not in the light tree, with a number that chooses none in the tree.
+#[inline]
+pub(super) fn choose_light_outside_tree<'a>(ctx: &TraceContext<'a>, mut choice: f32) -> Option<ChosenLight<'a>> {
     let lights = &ctx.scene.lights;
     let mut in_table = lights.len();
     if let Some(tree) = &ctx.scene.light_tree {
-        if choice < tree.share {
-            let (leaf, probability) = walk(tree, choice / tree.share)?;
-            let (index, pmf) = (tree.first + leaf, tree.share * probability);
-            return Some(ChosenLight { index, shape: &lights[index].shape, pmf, inverse_pmf: 1.0 / pmf });
-        }
         choice = (choice - tree.share) / (1.0 - tree.share);
         in_table = tree.first;
     }

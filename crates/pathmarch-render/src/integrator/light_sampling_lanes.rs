@@ -3,12 +3,11 @@
 //!
 //! Spheres, rectangles and points are sampled side by side, lights of other kinds one by one.
 
-use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, choose_light, power_heuristic, sample_direction};
+use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, choose_light_outside_tree, power_heuristic, sample_direction};
 use crate::intersect::ray::{lanes, mask_of, pack, set_bits, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::TraceContext;
 use crate::scene::light::{LightShape, PointLight, SheetLight, SphereLight};
-use glam::Vec3;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3, unit_circle};
 use pathmarch_scene::DirectLighting;
 use std::f32::consts::TAU;
@@ -101,12 +100,12 @@ fn point(shape: &LightShape) -> Option<&PointLight> {
     if let LightShape::Point(point) = shape { Some(point) } else { None }
 }
 
-/// Chooses a light for each point whose bit is set in `wanted`, as [`choose_light`] does. Surfaces with these unit normals are
+/// Chooses a light for each point whose bit is set in `wanted`, as [`choose_light`](super::light_sampling::choose_light) does. Surfaces with these unit normals are
 /// lit on one side only.
 pub(super) fn choose_lights<'a>(
     ctx: &TraceContext<'a>,
-    p: &[Vec3; 8],
-    normal: &[Vec3; 8],
+    p: FieldVec3<f32x8>,
+    normal: FieldVec3<f32x8>,
     choice: f32x8,
     wanted: u32,
 ) -> ChosenLights<'a> {
@@ -116,7 +115,7 @@ pub(super) fn choose_lights<'a>(
         let share = f32x8::splat(tree.share);
         let in_tree = wanted & choice.simd_lt(share).to_bitmask();
         alone = wanted & !in_tree;
-        let (leaves, probability) = tree.sample_in_lanes(pack(*p), pack(*normal), choice / share, mask_of(in_tree));
+        let (leaves, probability) = tree.sample_in_lanes(p, normal, choice / share, mask_of(in_tree));
         chosen.pmf = probability * share;
         chosen.inverse_pmf = f32x8::ONE / chosen.pmf;
         chosen.exist = in_tree & chosen.pmf.simd_gt(f32x8::ZERO).to_bitmask();
@@ -127,7 +126,7 @@ pub(super) fn choose_lights<'a>(
     }
     if alone != 0 {
         let choices = choice.to_array();
-        chosen.put(alone, |lane| choose_light(ctx, p[lane], Some(normal[lane]), choices[lane]));
+        chosen.put(alone, |lane| choose_light_outside_tree(ctx, choices[lane]));
     }
     chosen
 }

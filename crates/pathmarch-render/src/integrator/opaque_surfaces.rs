@@ -10,7 +10,7 @@ use super::shadow::ShadowTest;
 use super::surface_samples::SurfaceSamples;
 use crate::intersect::ray::{Ray, pack, set_bits, unpack};
 use crate::sampling::basis::Basis8;
-use crate::scene::TraceContext;
+use crate::scene::{LightShape, TraceContext};
 use crate::scene::material::{DELTA, LAMBERTIAN};
 use crate::shading::surface_interaction::SurfaceInteraction;
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
@@ -51,46 +51,13 @@ fn shade<B: BsdfInLanes>(
     surface_index: u32,
     shadow_tests: &mut Vec<ShadowTest>,
 ) -> u32 {
-    let count = surfaces.len();
-    let Inputs {
-        origins,
-        normals,
-        samples_lights,
-        parameters,
-        normal,
-        shading_normal,
-        to_viewer,
-        throughput,
-        index_square,
-        choice,
-        light,
-        scatter,
-    } = Inputs::new::<B>(ctx, paths, surfaces, samples);
-    // Light through the geometric surface is lost.
-    let crosses_surface = |direction: FieldVec3<f32x8>| {
-        Mask8(direction.dot(normal).simd_lt(f32x8::ZERO)) & f32x8::truth(ctx.config.shading_normals)
-    };
-    let basis = Basis8::new(shading_normal);
-    let wo = basis.local_viewer(to_viewer);
-
-    let light_samples = samples.light_samples;
-    let share = f32x8::splat(1.0 / light_samples as f32);
-    for sample in 0..light_samples {
-        let (choice, position) = nth_light_sample(sample, light_samples, choice[0], light);
-        let lights = choose_lights(ctx, &origins, &normals, choice, samples_lights);
-        let light = sample_directions(ctx, &lights, pack(origins), position);
-        let wi = basis.to_local(light.direction);
-        let evaluated = B::eval(&parameters, wo, wi);
-        let radiance = throughput.times(evaluated.value).times(light.irradiance) * share;
-        let is_lit = light.exist
-            & !crosses_surface(light.direction)
-            & Mask8(wi.z.simd_gt(f32x8::ZERO))
-            & Mask8(evaluated.value.largest().simd_gt(f32x8::ZERO));
-        let lit = is_lit.0.to_bitmask();
-        let weight = sample_weights(ctx.config.direct_lighting, light.pdf, evaluated.pdf).to_array();
-        let (directions, radiance, distance) = (unpack(light.direction), unpack(radiance), light.distance.to_array());
-        for lane in set_bits(lit) {
-            let (path, shape) = (&paths[surfaces[lane].0], lights.shapes[lane]);
+    let inputs = ShadingInputs::new::<B>(ctx, paths, surfaces, samples);
+    let origins = unpack(inputs.origin);
+    let scattered = shade_lanes::<B>(ctx, &inputs, samples.light_samples, surface_index, |light| {
+        let (directions, radiance) = (unpack(light.direction), unpack(light.radiance));
+        let (distance, weight) = (light.distance.to_array(), light.weight.to_array());
+        for lane in set_bits(light.lit) {
+            let (path, shape) = (&paths[surfaces[lane].0], light.shapes[lane]);
             shadow_tests.push(ShadowTest {
                 slot: path.slot,
                 radiance: radiance[lane],
@@ -104,23 +71,12 @@ fn shade<B: BsdfInLanes>(
                 sampler: path.sampler,
             });
         }
-    }
-
-    let scattered = B::sample(&parameters, wo, scatter);
-    let direction = basis.to_world(scattered.wi);
-    let direction = direction / direction.length();
-    let mut goes_on = Mask8(scattered.wi.z.simd_gt(f32x8::ZERO)) & !crosses_surface(direction);
-    let mut throughput = throughput.times(scattered.weight);
-    if surface_index > ROULETTE_DEPTH {
-        let survival_probability = f32x8::splat(SURVIVAL_FACTOR) * throughput.largest() * index_square;
-        let survival_probability = survival_probability.fast_min(f32x8::ONE);
-        goes_on = goes_on & Mask8(choice[1].simd_lt(survival_probability));
-        throughput = throughput / survival_probability;
-    }
-    let (directions, throughputs, scatter_pdfs) = (unpack(direction), unpack(throughput), scattered.pdf.to_array());
+    });
+    let (directions, throughputs) = (unpack(scattered.direction), unpack(scattered.throughput));
+    let (scatter_pdfs, normals) = (scattered.pdf.to_array(), unpack(inputs.shading_normal));
     for (lane, (index, _)) in surfaces.iter().enumerate() {
         let path = &mut paths[*index];
-        if samples_lights >> lane & 1 == 1 {
+        if inputs.samples_lights >> lane & 1 == 1 {
             path.previous_vertex = origins[lane];
             path.previous_normal = Some(normals[lane]);
         }
@@ -130,34 +86,110 @@ fn shade<B: BsdfInLanes>(
         path.ray = Ray { origin: origins[lane], direction: directions[lane] };
         path.scatter_pdf = scatter_pdfs[lane];
     }
-    goes_on.0.to_bitmask() & ((1 << count) - 1)
+    scattered.goes_on & ((1 << surfaces.len()) - 1)
 }
 
-/// What [`shade`] reads of eight surfaces, their paths and random numbers.
-struct Inputs {
+/// Light samples of eight paths, before visibility.
+pub(super) struct LightOfPaths<'a> {
+    /// Lanes with light, a bit for each.
+    pub(super) lit: u32,
+    pub(super) direction: FieldVec3<f32x8>,
+    /// Radiance without occlusion, W/(m² sr).
+    pub(super) radiance: FieldVec3<f32x8>,
+    /// Weights of multiple importance sampling.
+    pub(super) weight: f32x8,
+    /// Largest distances of occluders, metres.
+    pub(super) distance: f32x8,
+    pub(super) shapes: [&'a LightShape; 8],
+}
+
+/// Rays of eight paths that leave their surfaces, from the origins of the [`ShadingInputs`].
+pub(super) struct ScatteredPaths {
+    pub(super) direction: FieldVec3<f32x8>,
+    pub(super) throughput: FieldVec3<f32x8>,
+    /// Pdfs over solid angle; 0 for delta distributions.
+    pub(super) pdf: f32x8,
+    /// Lanes of paths that go on, a bit for each.
+    pub(super) goes_on: u32,
+}
+
+/// Samples lights, each of which it passes to `test_light`, and the next rays.
+#[inline(always)]
+pub(super) fn shade_lanes<'a, B: BsdfInLanes>(
+    ctx: &TraceContext<'a>,
+    inputs: &ShadingInputs,
+    light_samples: u32,
+    surface_index: u32,
+    mut test_light: impl FnMut(LightOfPaths<'a>),
+) -> ScatteredPaths {
+    let &ShadingInputs { origin, samples_lights, normal, shading_normal, throughput, choice, .. } = inputs;
+    let parameters = &inputs.parameters;
+    // Light through the geometric surface is lost.
+    let crosses_surface = |direction: FieldVec3<f32x8>| {
+        Mask8(direction.dot(normal).simd_lt(f32x8::ZERO)) & f32x8::truth(ctx.config.shading_normals)
+    };
+    let basis = Basis8::new(shading_normal);
+    let wo = basis.local_viewer(inputs.to_viewer);
+
+    let share = f32x8::splat(1.0 / light_samples as f32);
+    for sample in 0..light_samples {
+        let (choice, position) = nth_light_sample(sample, light_samples, choice[0], inputs.light);
+        let lights = choose_lights(ctx, origin, shading_normal, choice, samples_lights);
+        let light = sample_directions(ctx, &lights, origin, position);
+        let wi = basis.to_local(light.direction);
+        let evaluated = B::eval(parameters, wo, wi);
+        let is_lit = light.exist
+            & !crosses_surface(light.direction)
+            & Mask8(wi.z.simd_gt(f32x8::ZERO))
+            & Mask8(evaluated.value.largest().simd_gt(f32x8::ZERO));
+        test_light(LightOfPaths {
+            lit: is_lit.0.to_bitmask(),
+            direction: light.direction,
+            radiance: throughput.times(evaluated.value).times(light.irradiance) * share,
+            weight: sample_weights(ctx.config.direct_lighting, light.pdf, evaluated.pdf),
+            distance: light.distance,
+            shapes: lights.shapes,
+        });
+    }
+
+    let scattered = B::sample(parameters, wo, inputs.scatter);
+    let direction = basis.to_world(scattered.wi);
+    let direction = direction / direction.length();
+    let mut goes_on = Mask8(scattered.wi.z.simd_gt(f32x8::ZERO)) & !crosses_surface(direction);
+    let mut throughput = throughput.times(scattered.weight);
+    if surface_index > ROULETTE_DEPTH {
+        let survival_probability = f32x8::splat(SURVIVAL_FACTOR) * throughput.largest() * inputs.index_square;
+        let survival_probability = survival_probability.fast_min(f32x8::ONE);
+        goes_on = goes_on & Mask8(choice[1].simd_lt(survival_probability));
+        throughput = throughput / survival_probability;
+    }
+    ScatteredPaths { direction, throughput, pdf: scattered.pdf, goes_on: goes_on.0.to_bitmask() }
+}
+
+/// What [`shade_lanes`] reads of eight surfaces, their paths and random numbers.
+#[derive(Clone, Copy)]
+pub(super) struct ShadingInputs {
     /// Origins of rays that leave the surfaces, in world space.
-    origins: [Vec3; 8],
-    /// Unit shading normals.
-    normals: [Vec3; 8],
+    pub(super) origin: FieldVec3<f32x8>,
     /// Lanes where a light is sampled, a bit for each: all surfaces but mirrors.
-    samples_lights: u32,
-    parameters: ParametersInLanes,
+    pub(super) samples_lights: u32,
+    pub(super) parameters: ParametersInLanes,
     /// Unit geometric normals.
-    normal: FieldVec3<f32x8>,
+    pub(super) normal: FieldVec3<f32x8>,
     /// Unit shading normals.
-    shading_normal: FieldVec3<f32x8>,
+    pub(super) shading_normal: FieldVec3<f32x8>,
     /// Unit vectors back along the paths.
-    to_viewer: FieldVec3<f32x8>,
-    throughput: FieldVec3<f32x8>,
+    pub(super) to_viewer: FieldVec3<f32x8>,
+    pub(super) throughput: FieldVec3<f32x8>,
     /// Square of the refractive index around the paths.
-    index_square: f32x8,
+    pub(super) index_square: f32x8,
     /// As in [`SurfaceSamples`].
-    choice: [f32x8; 2],
-    light: [f32x8; 2],
-    scatter: [f32x8; 2],
+    pub(super) choice: [f32x8; 2],
+    pub(super) light: [f32x8; 2],
+    pub(super) scatter: [f32x8; 2],
 }
 
-impl Inputs {
+impl ShadingInputs {
     #[inline(always)]
     fn new<B: BsdfInLanes>(
         ctx: &TraceContext,
@@ -165,7 +197,7 @@ impl Inputs {
         surfaces: &[SurfaceOfPath],
         samples: &SurfaceSamples,
     ) -> Self {
-        let (mut origins, mut normals, mut samples_lights) = ([Vec3::ZERO; 8], [Vec3::Y; 8], 0);
+        let (mut origins, mut samples_lights) = ([Vec3::ZERO; 8], 0);
         let mut components = [[0.0; 8]; 19];
         let mut parameters = [[0.0; 8]; 8];
         for (lane, &(index, interaction)) in surfaces.iter().enumerate() {
@@ -173,7 +205,7 @@ impl Inputs {
             let material = ctx.scene.material_of(interaction.leaf);
             let textured = TexturedPoint::new(ctx, interaction, path.length);
             let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
-            (origins[lane], normals[lane]) = (p + normal_offset, ns);
+            origins[lane] = p + normal_offset;
             samples_lights |= u32::from(!material.has(DELTA)) << lane;
             let ([a, b], [c, d], [e, f]) = (samples.choice[index], samples.light[index], samples.scatter[index]);
             let (v, t) = (-path.ray.direction, path.throughput);
@@ -191,8 +223,7 @@ impl Inputs {
         let [nx, ny, nz, sx, sy, sz, vx, vy, vz, tr, tg, tb, index_square, a, b, c, d, e, f] =
             components.map(f32x8::from);
         Self {
-            origins,
-            normals,
+            origin: pack(origins),
             samples_lights,
             parameters: parameters.map(f32x8::from),
             normal: FieldVec3::new(nx, ny, nz),

@@ -28,6 +28,7 @@ use super::medium::transmittance;
 use super::nested_dielectrics::refracting_parameters;
 use super::opaque_surfaces::{self, SurfaceOfPath, kind_in_lanes};
 use super::participating_media::medium_after;
+use super::packets;
 use super::path_reuse::PathReuse;
 use super::path_state::{Path, clamped, escaped_radiance};
 use super::shadow::{self, ShadowTest};
@@ -51,10 +52,13 @@ use std::iter::repeat_n;
 /// Radiance of `samples` samples of each of these pixels from sample `first` on, pixel by pixel. More than one sample
 /// only if they share a camera ray.
 pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
+    let mut reuse = ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples));
+    if ctx.config.packets && ctx.photons.is_none() && ctx.stats.is_none() {
+        return packets::trace(ctx, pixels, first, samples, reuse);
+    }
     let ray_index = camera_ray_index(first, ctx.config.splitting);
     let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx, x, y, ray_index)).collect();
     let rays = camera_rays(ctx.frame, pixels, &samplers).into_iter().zip(samplers);
-    let mut reuse = ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples));
     let (mut paths, mut radiance) = start_paths(ctx, rays);
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, None);
     if ctx.config.splitting == 1 {
@@ -163,7 +167,9 @@ fn continue_paths(
         if let Some(reuse) = reuse.as_mut().filter(|_| surface_index < 2) {
             for (path, vertex) in paths.iter_mut().zip(&vertices) {
                 let Vertex::Surface(interaction) = vertex else { continue };
-                reuse.record(ctx, path, interaction, surface_index, &mut radiance);
+                if reuse.record(ctx, path, interaction, surface_index, radiance[path.slot]) {
+                    (radiance[path.slot], path.throughput) = (Vec3::ZERO, Vec3::ONE);
+                }
             }
         }
         let scatters: Vec<bool> = paths
@@ -350,6 +356,24 @@ fn emitted_light(
     clamped(ctx, path.throughput * emission * weight, surface_index.saturating_sub(1))
 }
 
+/// Contribution of the light that a surface emits towards a path; zero if it emits none.
+pub(super) fn emission_towards(
+    ctx: &TraceContext,
+    path: &Path,
+    interaction: &SurfaceInteraction,
+    surface_index: u32,
+) -> Vec3 {
+    let material = ctx.scene.material_of(interaction.leaf);
+    if material.flags & (EMITS | GLOWS) == 0 {
+        return Vec3::ZERO;
+    }
+    let emission = Vec3::from(material.emission);
+    let textured = || TexturedPoint::new(ctx, interaction, path.length)?.emission();
+    let varies = ctx.config.emission_textures && material.has(GLOWS);
+    let emission = if varies { textured().unwrap_or(emission) } else { emission };
+    emitted_light(ctx, path, interaction, emission, surface_index)
+}
+
 /// Adds the light that a surface emits towards a path. Returns true if it also scatters light.
 fn add_emission(
     ctx: &TraceContext,
@@ -358,15 +382,8 @@ fn add_emission(
     surface_index: u32,
     radiance: &mut [Vec3],
 ) -> bool {
-    let material = ctx.scene.material_of(interaction.leaf);
-    if material.flags & (EMITS | GLOWS) != 0 {
-        let emission = Vec3::from(material.emission);
-        let textured = || TexturedPoint::new(ctx, interaction, path.length)?.emission();
-        let varies = ctx.config.emission_textures && material.has(GLOWS);
-        let emission = if varies { textured().unwrap_or(emission) } else { emission };
-        radiance[path.slot] += emitted_light(ctx, path, interaction, emission, surface_index);
-    }
-    !material.emits()
+    radiance[path.slot] += emission_towards(ctx, path, interaction, surface_index);
+    !ctx.scene.material_of(interaction.leaf).emits()
 }
 
 /// Shades a surface interaction: samples a light and the next ray. `None` ends the path.

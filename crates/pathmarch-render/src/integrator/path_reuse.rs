@@ -106,33 +106,32 @@ impl<'a> PathReuse<'a> {
         Self { pixels, samples: samples as usize, first: vec![None; pixels.len()], second: vec![None; paths] }
     }
 
-    /// Records the first or second surface of a path before it is shaded. From the second surface on, the path has the
-    /// radiance that leaves this surface.
+    /// Records the first or second surface of a path with this radiance before it is shaded. Returns true at the second one, from
+    /// where on the path has the radiance that leaves this surface.
     pub(super) fn record(
         &mut self,
         ctx: &TraceContext,
-        path: &mut Path,
+        path: &Path,
         interaction: &SurfaceInteraction,
         surface_index: u32,
-        radiance: &mut [Vec3],
-    ) {
+        radiance: Vec3,
+    ) -> bool {
         let leaf = &ctx.scene.leaves[interaction.leaf];
         let material = &ctx.scene.materials[leaf.material as usize];
         if surface_index > ctx.frame.bounces {
-            return;
+            return false;
         }
         let &SurfaceInteraction { p, normal, normal_offset, inside, .. } = interaction;
         let origin = p + normal_offset;
         let pixel = path.slot / self.samples;
         if surface_index > 0 {
-            if self.first[pixel].is_some() && material.has(LAMBERTIAN) && !material.has(GLOWS) {
-                self.second[path.slot] = Some(SecondSurface { p, origin, normal, radiance: radiance[path.slot] });
-                radiance[path.slot] = Vec3::ZERO;
-                path.throughput = Vec3::ONE;
+            let is_shared = self.first[pixel].is_some() && material.has(LAMBERTIAN) && !material.has(GLOWS);
+            if is_shared {
+                self.second[path.slot] = Some(SecondSurface { p, origin, normal, radiance });
             }
-            return;
+            return is_shared;
         }
-        let Some(bsdf) = ctx.scene.bsdfs[leaf.material as usize] else { return };
+        let Some(bsdf) = ctx.scene.bsdfs[leaf.material as usize] else { return false };
         let is_rough = !material.has(DELTA) && !material.has(TRANSMITS);
         if is_rough && path.medium.absorption == Vec3::ZERO && self.first[pixel].is_none() {
             let textured = TexturedPoint::new(ctx, interaction, path.length);
@@ -149,6 +148,7 @@ impl<'a> PathReuse<'a> {
                 length: path.length,
             });
         }
+        false
     }
 
     /// Groups of pixels, with the paths that they share.

@@ -7,7 +7,9 @@ use crate::scene::frame::NO_CLAMP;
 use crate::scene::{Medium, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
+use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_scene::materials::dispersion;
+use wide::f32x8;
 
 shared_constants! {
     /// Survival probability of a path divided by its throughput: Russian roulette never ends a path of throughput 1/3
@@ -90,19 +92,35 @@ pub(super) fn clamped(ctx: &TraceContext, contribution: Vec3, bounces: u32) -> V
     contribution * (ctx.frame.clamp / contribution.max_element().max(ctx.frame.clamp))
 }
 
+/// [`clamped`] in lanes.
+#[inline(always)]
+pub(super) fn clamped_lanes(ctx: &TraceContext, contribution: FieldVec3<f32x8>, bounces: u32) -> FieldVec3<f32x8> {
+    if bounces == 0 || ctx.frame.clamp >= NO_CLAMP {
+        return contribution;
+    }
+    let limit = f32x8::splat(ctx.frame.clamp);
+    contribution * (limit / contribution.largest().fast_max(limit))
+}
+
 /// Radiance of the sky and the suns for an escaping path, times its MIS weight.
 pub(super) fn escaped_radiance(ctx: &TraceContext, path: &Path) -> Vec3 {
     let (sky, direction) = (&ctx.scene.sky, path.ray.direction);
-    if path.lights_are_counted && ctx.config.traced_caustics {
+    if !path.lights_are_counted {
+        return sky_and_suns(ctx, direction, path.scatter_pdf);
+    }
+    if ctx.config.traced_caustics {
         return light_sampling::sky_radiance(sky, ctx.config.direct_lighting, direction, path.scatter_pdf);
     }
-    if path.lights_are_counted {
-        // Shadow rays have already contributed suns and a sampled sky.
-        return match sky.radiance(direction) {
-            (radiance, None) => radiance,
-            _ => Vec3::ZERO,
-        };
+    // Shadow rays have already contributed suns and a sampled sky.
+    match sky.radiance(direction) {
+        (radiance, None) => radiance,
+        _ => Vec3::ZERO,
     }
-    light_sampling::sky_radiance(sky, ctx.config.direct_lighting, direction, path.scatter_pdf)
-        + light_sampling::sun_radiance(ctx, direction, path.scatter_pdf)
+}
+
+/// Radiance of the sky and the suns in the direction of a ray with this pdf, times its MIS weight.
+#[inline]
+pub(super) fn sky_and_suns(ctx: &TraceContext, direction: Vec3, scatter_pdf: f32) -> Vec3 {
+    light_sampling::sky_radiance(&ctx.scene.sky, ctx.config.direct_lighting, direction, scatter_pdf)
+        + light_sampling::sun_radiance(ctx, direction, scatter_pdf)
 }

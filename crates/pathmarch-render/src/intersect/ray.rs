@@ -74,6 +74,12 @@ pub(crate) fn unpack(v: FieldVec3<f32x8>) -> [Vec3; 8] {
     std::array::from_fn(|lane| Vec3::new(x[lane], y[lane], z[lane]))
 }
 
+/// Vector of a lane.
+#[inline(always)]
+pub(crate) fn lane_of(v: FieldVec3<f32x8>, lane: usize) -> Vec3 {
+    Vec3::new(v.x.as_array()[lane], v.y.as_array()[lane], v.z.as_array()[lane])
+}
+
 /// Eight rays as a structure of arrays. Copies of the first ray fill the last lanes.
 pub(crate) struct Rays8 {
     pub(crate) origin: FieldVec3<f32x8>,

@@ -27,6 +27,8 @@
 //!
 //! **Cost.** About 85 integer operations a pair, a third of them the same for all pixels. No memory.
 
+use wide::f32x8;
+
 /// Pairs of dimensions of a path, in order.
 pub(crate) mod pair {
     use crate::wgsl::shared_constants;
@@ -125,6 +127,82 @@ pub(crate) fn place_by_group(x: u32, y: u32) -> [u32; 2] {
     [place(x, group_x), place(y, group_y)]
 }
 
+/// Part of the polynomial of a Sobol' point that the pixel does not change.
+#[inline(always)]
+fn sobol_order(sample: u32, seed: u32) -> u32 {
+    let index = scramble_reversed(sample.reverse_bits(), seed).reverse_bits();
+    index ^ (index << 8) ^ (index << 16)
+}
+
+/// Scrambled Sobol' point of a pixel, see the description of the module.
+#[inline(always)]
+fn sobol_2d(seed: u32, order: u32, curve_index: u32) -> [f32; 2] {
+    let curve_index = scramble_reversed(curve_index, seed.rotate_left(24)) >> 16;
+    let at_zero = order ^ from_base_q(curve_index);
+    let mut at_one = at_zero;
+    at_one ^= (at_one >> 1) & 0x5555_5555;
+    at_one ^= (at_one >> 2) & 0x3333_3333;
+    at_one ^= (at_one >> 4) & 0x0f0f_0f0f;
+    at_one ^= (at_one >> 8) & 0x00ff_00ff;
+    at_one ^= (at_one >> 16) & 0x0000_ffff;
+    let x = scramble_reversed(at_zero, seed.rotate_left(8)).reverse_bits();
+    let y = scramble_reversed(at_one, seed.rotate_left(16)).reverse_bits();
+    [unit(x), unit(y)]
+}
+
+/// Random numbers of one sample of each of eight pixels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelSampler8 {
+    seed_hash: u32,
+    curve_index: [u32; 8],
+    sample: u32,
+    independent: bool,
+}
+
+impl PixelSampler8 {
+    /// Samplers of up to eight pixels, at the same sample of each. The first one fills the last lanes.
+    pub(crate) fn new(samplers: &[PixelSampler]) -> Self {
+        let PixelSampler { seed_hash, sample, independent, .. } = samplers[0];
+        debug_assert!(samplers.iter().all(|other| (other.seed_hash, other.sample) == (seed_hash, sample)));
+        let curve_index = std::array::from_fn(|lane| samplers.get(lane).unwrap_or(&samplers[0]).curve_index);
+        Self { seed_hash, curve_index, sample, independent }
+    }
+
+    /// Sampler of a lane.
+    pub(crate) fn lane(&self, lane: usize) -> PixelSampler {
+        let &Self { seed_hash, sample, independent, .. } = self;
+        PixelSampler { seed_hash, curve_index: self.curve_index[lane], sample, independent }
+    }
+
+    /// [`PixelSampler::with_sample`] of every lane.
+    pub(crate) fn with_sample(self, sample: u32) -> Self {
+        Self { sample, ..self }
+    }
+
+    /// [`PixelSampler::part`] of every lane.
+    pub(crate) fn part(self, k: u32, count: u32) -> Self {
+        self.with_sample(self.lane(0).part(k, count).sample)
+    }
+
+    /// [`PixelSampler::sample_2d`] of every lane.
+    #[inline]
+    pub(crate) fn sample_2d(&self, pair: u32) -> [f32x8; 2] {
+        let (mut x, mut y) = ([0.0; 8], [0.0; 8]);
+        if self.independent {
+            for lane in 0..8 {
+                [x[lane], y[lane]] = self.lane(lane).independent_2d(pair);
+            }
+        } else {
+            let seed = hash(self.seed_hash ^ pair.wrapping_mul(0x9e37_79b9));
+            let order = sobol_order(self.sample, seed);
+            for lane in 0..8 {
+                [x[lane], y[lane]] = sobol_2d(seed, order, self.curve_index[lane]);
+            }
+        }
+        [x.into(), y.into()]
+    }
+}
+
 /// Random numbers of one sample of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PixelSampler {
@@ -206,18 +284,7 @@ impl PixelSampler {
     #[inline(always)]
     fn sobol_2d(self, pair: u32) -> [f32; 2] {
         let seed = hash(self.seed_hash ^ pair.wrapping_mul(0x9e37_79b9));
-        let index = scramble_reversed(self.sample.reverse_bits(), seed).reverse_bits();
-        let curve_index = scramble_reversed(self.curve_index, seed.rotate_left(24)) >> 16;
-        let at_zero = index ^ (index << 8) ^ (index << 16) ^ from_base_q(curve_index);
-        let mut at_one = at_zero;
-        at_one ^= (at_one >> 1) & 0x5555_5555;
-        at_one ^= (at_one >> 2) & 0x3333_3333;
-        at_one ^= (at_one >> 4) & 0x0f0f_0f0f;
-        at_one ^= (at_one >> 8) & 0x00ff_00ff;
-        at_one ^= (at_one >> 16) & 0x0000_ffff;
-        let x = scramble_reversed(at_zero, seed.rotate_left(8)).reverse_bits();
-        let y = scramble_reversed(at_one, seed.rotate_left(16)).reverse_bits();
-        [unit(x), unit(y)]
+        sobol_2d(seed, sobol_order(self.sample, seed), self.curve_index)
     }
 
     /// Seed of choices that need no stratification, different for each surface of the path.
@@ -292,6 +359,13 @@ mod tests {
                 (0..37).map(|k| PixelSampler { independent, ..PixelSampler::new(k, 3 * k, k / 2, 5) }).collect();
             let each: Vec<[f32; 2]> = samplers.iter().map(|sampler| sampler.sample_2d(9)).collect();
             assert_eq!(PixelSampler::samples_2d(&samplers, 9), each);
+            let samplers: Vec<PixelSampler> = samplers.iter().map(|sampler| sampler.with_sample(6)).collect();
+            let lanes = PixelSampler8::new(&samplers[..8]);
+            let [x, y] = lanes.part(1, 3).sample_2d(9).map(f32x8::to_array);
+            for lane in 0..8 {
+                let expected = samplers[lane].part(1, 3).sample_2d(9);
+                assert_eq!([[x[lane], y[lane]], lanes.part(1, 3).lane(lane).sample_2d(9)], [expected; 2]);
+            }
         }
     }
 

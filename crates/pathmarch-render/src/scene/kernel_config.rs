@@ -5,6 +5,7 @@ use super::leaf::MESH_FIELD;
 use super::light::LightShape;
 use super::material::{BOUNDARY, DISPERSES, TRANSMITS};
 use super::textured_material::TexturedMaterial;
+use crate::integrator::packets;
 use crate::mode::Mode;
 use crate::settings::Settings;
 use pathmarch_scene::{Caustics, DirectLighting};
@@ -76,6 +77,8 @@ pub(crate) struct KernelConfig {
     /// Grazing rays use a smaller hit tolerance. True where some sphere-traced object emits and none is a fractal,
     /// because the tolerance enlarges every emitter.
     pub(crate) refined_grazing: bool,
+    /// On the CPU, paths stay in lanes from the camera to their ends, see [`packets`](crate::integrator::packets).
+    pub(crate) packets: bool,
 }
 
 impl KernelConfig {
@@ -85,7 +88,7 @@ impl KernelConfig {
         let textured = |has: fn(&TexturedMaterial) -> bool| scene.textured_materials.iter().any(has);
         let nested_dielectrics = scene.has_nested_dielectrics();
         let media = nested_dielectrics || scene.media.participate();
-        Self {
+        let config = Self {
             absorption: media || scene.materials.iter().any(|material| material.absorption != [0.0; 3]),
             media,
             boundaries: media && scene.materials.iter().any(|material| material.has(BOUNDARY)),
@@ -116,6 +119,8 @@ impl KernelConfig {
             path_reuse: false,
             constant_numbers: false,
             refined_grazing: scene.has_sphere_traced_emitter(),
-        }
+            packets: false,
+        };
+        Self { packets: packets::are_possible(scene, &config), ..config }
     }
 }

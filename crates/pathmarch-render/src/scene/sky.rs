@@ -118,6 +118,15 @@ impl SkyLight {
         }
     }
 
+    /// Radiance of a sky that is the same in all directions, W/(m² sr).
+    #[inline]
+    pub(crate) fn constant(&self) -> Option<[f32; 3]> {
+        match self.source {
+            Sky::Constant(radiance) => Some(radiance),
+            _ => None,
+        }
+    }
+
     /// Reports whether the sky is a gradient.
     pub(crate) fn is_gradient(&self) -> bool {
         matches!(self.source, Sky::Gradient { .. })

@@ -1,7 +1,7 @@
 //! Surface interactions: position, normal, side and leaf of hits, eight at a time.
 
 use crate::intersect::march::{rounding_at, start_offset};
-use crate::intersect::ray::{Hit, RaySegment, Rays8, lanes, unpack};
+use crate::intersect::ray::{Hit, RaySegment, Rays8, lane_of, lanes};
 use crate::scene::TraceContext;
 use crate::scene::leaf::{ANALYTIC, MESH_FIELD, TWO_SIDED};
 use glam::Vec3;
@@ -41,6 +41,89 @@ impl SurfaceInteraction {
     }
 }
 
+/// Surfaces at the hits of eight rays.
+#[derive(Clone, Copy)]
+pub(crate) struct Surfaces8 {
+    /// Positions on the surfaces, in world space.
+    pub(crate) p: FieldVec3<f32x8>,
+    /// Leaves of the field.
+    pub(crate) leaf: [usize; 8],
+    /// Unit geometric normals on the side of the rays' origins.
+    pub(crate) normal: FieldVec3<f32x8>,
+    /// Lanes where that side is the inside of the solid, a bit for each.
+    inside: u32,
+    /// Offsets from `p` to the origins of rays that leave on this side, metres.
+    pub(crate) normal_offset: FieldVec3<f32x8>,
+    /// Lengths of the rays, metres.
+    length: f32x8,
+}
+
+impl Surfaces8 {
+    /// Surfaces from hits (rays, distances along them, points), the field there, and what meshes add to the offsets.
+    #[inline(always)]
+    fn new(
+        ctx: &TraceContext,
+        (rays, t, hit_point): (&Rays8, f32x8, FieldVec3<f32x8>),
+        field: &Dual<f32x8>,
+        leaf: [usize; 8],
+        clearance: f32x8,
+    ) -> Self {
+        let record = |lane: usize| &ctx.scene.leaves[leaf[lane]];
+        let origin = FieldVec3::new(
+            lanes(|lane| record(lane).origin[0]),
+            lanes(|lane| record(lane).origin[1]),
+            lanes(|lane| record(lane).origin[2]),
+        );
+        let is_analytic = lanes(|lane| f32::from(record(lane).has(ANALYTIC)));
+
+        let inverse = f32x8::ONE / field.gradient.length().fast_max(f32x8::splat(1e-6));
+        let outward = field.gradient * inverse;
+        let residual = field.value * inverse;
+        let rounding = rounding_at(ctx.frame, hit_point, origin);
+        // Within rounding of the surface, the direction of the ray decides the side; elsewhere the sign of the field
+        // does.
+        let side_tolerance = rounding + f32x8::splat(ctx.frame.rounding) * t;
+        let on_surface = Mask8(f32x8::ZERO.simd_lt(is_analytic)) | Mask8(field.value.abs().simd_le(side_tolerance));
+        let inside = Real::select(on_surface, -outward.dot(rays.direction), field.value).simd_lt(f32x8::ZERO);
+        let normal = outward * Real::select(Mask8(inside), f32x8::splat(-1.0), f32x8::ONE);
+        Self {
+            p: hit_point - outward * residual,
+            leaf,
+            normal,
+            inside: inside.to_bitmask(),
+            normal_offset: normal * (start_offset(rounding, residual) + clearance),
+            length: t,
+        }
+    }
+
+    /// Surfaces at analytic hits of these rays: distances along them, and leaves that are no meshes.
+    #[inline(always)]
+    pub(crate) fn at_analytic_hits(ctx: &TraceContext, rays: &Rays8, t: f32x8, leaf: f32x8) -> Self {
+        let hit_point = rays.origin + rays.direction * t;
+        let Surface { field, leaf } = ctx.scene.field.surface_at_hit(hit_point, leaf, &|_| f32x8::ZERO);
+        let leaf = leaf.to_array().map(|leaf| leaf as usize);
+        Self::new(ctx, (rays, t, hit_point), &field, leaf, f32x8::ZERO)
+    }
+
+    /// Interaction of a lane, without the attributes of a mesh; its length is that of the ray.
+    #[inline(always)]
+    pub(crate) fn interaction(&self, lane: usize) -> SurfaceInteraction {
+        let normal = lane_of(self.normal, lane);
+        let inside = self.inside >> lane & 1 == 1;
+        SurfaceInteraction {
+            p: lane_of(self.p, lane),
+            leaf: self.leaf[lane],
+            normal,
+            shading_outward: if inside { -normal } else { normal },
+            inside,
+            triangle: None,
+            attributes: MeshAttributes::default(),
+            normal_offset: lane_of(self.normal_offset, lane),
+            length: self.length.as_array()[lane],
+        }
+    }
+}
+
 /// Surface interactions of hits. Where materials blend, the second one is chosen if its weight exceeds `threshold`, a
 /// function of the hit's index and the blend's index.
 pub(crate) fn surface_interactions(
@@ -61,42 +144,19 @@ pub(crate) fn surface_interactions(
         let Surface { field, leaf } = with_meshes(surface, &meshes, |lane| chunk[hit_index(lane)].1.analytic);
         let (leaf, attributes) = with_nearest_triangles(ctx, leaf, hit_point, &meshes);
         let leaf: [usize; 8] = leaf.to_array().map(|leaf| leaf as usize);
-        let record = |lane: usize| &ctx.scene.leaves[leaf[lane]];
-        let origin = FieldVec3::new(
-            lanes(|lane| record(lane).origin[0]),
-            lanes(|lane| record(lane).origin[1]),
-            lanes(|lane| record(lane).origin[2]),
-        );
-        let is_analytic = lanes(|lane| f32::from(record(lane).has(ANALYTIC)));
-
-        let inverse = f32x8::ONE / field.gradient.length().fast_max(f32x8::splat(1e-6));
-        let outward = field.gradient * inverse;
-        let residual = field.value * inverse;
-        let rounding = rounding_at(ctx.frame, hit_point, origin);
-        // Within rounding of the surface, the direction of the ray decides the side; elsewhere the sign of the field
-        // does.
-        let side_tolerance = rounding + f32x8::splat(ctx.frame.rounding) * t;
-        let on_surface = Mask8(f32x8::ZERO.simd_lt(is_analytic)) | Mask8(field.value.abs().simd_le(side_tolerance));
-        let inside = Real::select(on_surface, -outward.dot(rays.direction), field.value).simd_lt(f32x8::ZERO);
-        let normal = outward * Real::select(Mask8(inside), f32x8::splat(-1.0), f32x8::ONE);
         let clearance = lanes(|lane| meshes[lane].map_or(0.0, |mesh| mesh.clearance));
-        let (p, normal_offset) =
-            (unpack(hit_point - outward * residual), unpack(normal * (start_offset(rounding, residual) + clearance)));
-        let (normal, outward, inside) = (unpack(normal), unpack(outward), inside.to_bitmask());
+        let surfaces = Surfaces8::new(ctx, (&rays, t, hit_point), &field, leaf, clearance);
         result.extend(chunk.iter().enumerate().map(|(lane, (segment, hit))| {
-            let is_back = inside >> lane & 1 == 1;
-            let is_turned = is_back && record(lane).has(TWO_SIDED);
-            let shading_outward = meshes[lane].map_or(outward[lane], |mesh| mesh.shading_normal);
+            let interaction = surfaces.interaction(lane);
+            let is_turned = interaction.inside && ctx.scene.leaves[leaf[lane]].has(TWO_SIDED);
+            let shading_outward = meshes[lane].map_or(interaction.shading_outward, |mesh| mesh.shading_normal);
             SurfaceInteraction {
-                p: p[lane],
-                leaf: leaf[lane],
-                normal: normal[lane],
                 shading_outward: if is_turned { -shading_outward } else { shading_outward },
                 triangle: hit.triangle,
                 attributes: attributes[lane],
-                inside: is_back && !is_turned,
-                normal_offset: normal_offset[lane],
+                inside: interaction.inside && !is_turned,
                 length: segment.path_length + hit.t,
+                ..interaction
             }
         }));
     }
