@@ -32,6 +32,7 @@ use crate::number::Vec3;
 use crate::operators::Operator;
 use crate::shapes::TRAPS;
 pub use batch::Batch;
+use analytic::AnalyticObject;
 use bvh::Bvh;
 pub use coordinates::Coordinates;
 pub use leaf::Leaf;
@@ -95,6 +96,8 @@ pub struct Field {
     strategies: Vec<EvalStrategy>,
     /// Indices of the objects that are evaluated by themselves.
     singles: Vec<u32>,
+    /// Analytic objects among them.
+    analytic: Vec<AnalyticObject>,
     shape_grids: Vec<ShapeGrid>,
     /// Hierarchy over many analytic objects.
     bvh: Bvh,

@@ -16,6 +16,15 @@ use crate::ray_interval::RayInterval;
 /// Largest number of shapes of an analytic combination; beyond it sphere tracing is cheaper.
 const MAX_SHAPES: usize = 12;
 
+/// Object that rays intersect by itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AnalyticObject {
+    /// Index of the object.
+    pub(super) object: u32,
+    /// Leaf of an object that is a single shape.
+    pub(super) leaf: Option<u32>,
+}
+
 /// Side of an interval's end that is tested.
 #[derive(Clone, Copy)]
 enum Side {
@@ -59,9 +68,10 @@ impl Field {
     }
 
     /// Hit of a ray with an analytic object, metres and leaf; or the one found before, if that is nearer.
+    #[inline]
     pub(super) fn object_hit<N: Batch>(
         &self,
-        object: &Tree,
+        &AnalyticObject { object, leaf }: &AnalyticObject,
         origin: Vec3<N>,
         direction: Vec3<N>,
         first: (N, N),
@@ -70,10 +80,12 @@ impl Field {
             let is_hit = is_hit & t.lt(nearest);
             (N::select(is_hit, t, nearest), N::select(is_hit, N::constant(leaf as f32), hit_leaf))
         };
-        if let Some(index) = self.direct(object) {
+        if let Some(index) = leaf {
             let t = self.leaves[index as usize].ray(origin, direction);
-            return nearer(first, t, N::truth(true), index);
+            let is_hit = t.lt(first.0);
+            return (t.min(first.0), N::select(is_hit, N::constant(index as f32), first.1));
         }
+        let object = &self.objects[object as usize];
         let mut intervals = Intervals { first: u32::MAX, ends: [[N::zero(); 2]; MAX_SHAPES], count: 0 };
         self.collect(object, origin, direction, &mut intervals);
         let mut hit = first;

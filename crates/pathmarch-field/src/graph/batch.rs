@@ -16,8 +16,14 @@ pub trait Batch: Differentiable {
     /// Number of points.
     #[doc(hidden)]
     const LANES: usize;
+    /// A bit for each point.
     #[doc(hidden)]
-    fn any(mask: Self::Mask) -> bool;
+    fn bits(mask: Self::Mask) -> u32;
+    #[doc(hidden)]
+    #[inline(always)]
+    fn any(mask: Self::Mask) -> bool {
+        Self::bits(mask) != 0
+    }
     #[doc(hidden)]
     fn lanes(self) -> [f32; 8];
     #[doc(hidden)]
@@ -56,8 +62,8 @@ impl Batch for f32 {
     const LANES: usize = 1;
     upcasts!();
     #[inline(always)]
-    fn any(mask: bool) -> bool {
-        mask
+    fn bits(mask: bool) -> u32 {
+        u32::from(mask)
     }
     #[inline(always)]
     fn lanes(self) -> [f32; 8] {
@@ -80,8 +86,8 @@ impl Batch for f32x8 {
     const LANES: usize = 8;
     upcasts!();
     #[inline(always)]
-    fn any(mask: Mask8) -> bool {
-        mask.0.to_bitmask() != 0
+    fn bits(mask: Mask8) -> u32 {
+        mask.0.to_bitmask()
     }
     #[inline(always)]
     fn lanes(self) -> [f32; 8] {

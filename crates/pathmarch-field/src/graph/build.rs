@@ -47,6 +47,7 @@ impl Field {
             sphere_traced_bounds: Aabb::NOTHING,
             strategies: Vec::new(),
             singles: Vec::new(),
+            analytic: Vec::new(),
             shape_grids: Vec::new(),
             bvh: Bvh::default(),
             mesh_instances: Bvh::default(),

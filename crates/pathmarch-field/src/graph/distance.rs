@@ -86,7 +86,7 @@ impl Field {
     /// [`analytic_hit`](Self::analytic_hit) at less than this distance along each ray, metres; that distance if there is none.
     pub fn analytic_hit_before<N: Batch>(&self, limit: N, origin: Vec3<N>, direction: Vec3<N>) -> (N, N) {
         let mut hit = (limit, N::constant(SPHERE_TRACED));
-        for object in self.analytic_objects() {
+        for object in &self.analytic {
             hit = self.object_hit(object, origin, direction, hit);
         }
         self.bvh.hit(self, origin, direction, hit)

@@ -40,22 +40,27 @@ impl Field {
     /// In a smooth operator, the second material shows if its weight exceeds the threshold of the blend's index:
     /// [`Batch::choice`], or 0.5 for the larger weight.
     pub fn surface_at_hit<N: Batch>(&self, p: Vec3<N>, hit_leaf: N, threshold: &dyn Fn(u32) -> N) -> Surface<N> {
-        let all = &hit_leaf.lanes()[..N::LANES];
+        let leaves = hit_leaf.lanes();
         let mut result = Surface { field: Dual::independent(N::constant(f32::INFINITY)), leaf: N::zero() };
-        if all.iter().any(|&leaf| leaf < 0.0) {
+        let mut left = (1 << N::LANES) - 1;
+        let sphere_traced = N::bits(hit_leaf.lt(N::zero()));
+        if sphere_traced != 0 {
             result = self.nearest_surface(p, |analytic| N::truth(!analytic), threshold, FarField::Estimate);
+            left &= !sphere_traced;
         }
-        for (lane, &leaf) in all.iter().enumerate().filter(|(_, leaf)| **leaf >= 0.0) {
-            if all[..lane].contains(&leaf) {
-                continue;
-            }
-            let Some(shape) = self.leaves.get(leaf as usize).filter(|leaf| !leaf.is_triangles()) else { continue };
-            let field = shape.surface_at_hit(p);
+        while left != 0 {
+            let leaf = leaves[left.trailing_zeros() as usize];
             let is_hit = (hit_leaf - N::constant(leaf)).abs().lt(N::constant(0.5));
-            result = Surface {
-                field: Dual::select(is_hit, field, result.field),
-                leaf: N::select(is_hit, N::constant(leaf), result.leaf),
-            };
+            left &= (left - 1) & !N::bits(is_hit);
+            let shape = self.leaves.get(leaf as usize);
+            let shape = shape.filter(|leaf| !self.has_triangles() || !leaf.is_triangles());
+            if let Some(shape) = shape {
+                let field = shape.surface_at_hit(p);
+                result = Surface {
+                    field: Dual::select(is_hit, field, result.field),
+                    leaf: N::select(is_hit, N::constant(leaf), result.leaf),
+                };
+            }
         }
         result
     }

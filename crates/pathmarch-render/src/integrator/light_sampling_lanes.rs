@@ -4,7 +4,7 @@
 //! Spheres, rectangles and points are sampled side by side, lights of other kinds one by one.
 
 use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, choose_light_outside_tree, power_heuristic, sample_direction};
-use crate::intersect::ray::{lanes, mask_of, pack, set_bits, unpack};
+use crate::intersect::ray::{mask_of, pack, set_bits, transposed, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::TraceContext;
 use crate::scene::light::{LightShape, PointLight, SheetLight, SphereLight};
@@ -172,8 +172,11 @@ fn sample_spheres(
     position: [f32x8; 2],
 ) -> LightSamples {
     let (zero, one, two) = (f32x8::ZERO, f32x8::ONE, f32x8::splat(2.0));
-    let radius = lanes(|lane| spheres[lane].radius);
-    let offset = pack(spheres.map(|sphere| sphere.centre)) - p;
+    let row = |&SphereLight { centre, radius, radiance, .. }: &SphereLight| {
+        [centre.x, centre.y, centre.z, radius, radiance.x, radiance.y, radiance.z, 0.0]
+    };
+    let [x, y, z, radius, red, green, blue, _] = transposed(spheres.map(row));
+    let offset = FieldVec3::new(x, y, z) - p;
     let square = offset.dot(offset);
     let sine_square = radius * radius / square.fast_max(f32x8::splat(1e-30));
     let is_inside = Mask8(sine_square.simd_ge(one));
@@ -194,7 +197,7 @@ fn sample_spheres(
     LightSamples {
         direction,
         distance: Real::select(bounded, f32x8::splat(f32::INFINITY), entry * f32x8::splat(SHADOW_RAY_SHARE)),
-        irradiance: pack(spheres.map(|sphere| sphere.radiance)) * solid_angle,
+        irradiance: FieldVec3::new(red, green, blue) * solid_angle,
         pdf: one / solid_angle,
         exist: f32x8::truth(true),
     }
@@ -211,17 +214,24 @@ fn normalize_or_up(offset: FieldVec3<f32x8>, square: f32x8) -> FieldVec3<f32x8> 
 /// Samples rectangles by area, like [`sample_spheres`].
 fn sample_rects(sheets: [&SheetLight; 8], p: FieldVec3<f32x8>, position: [f32x8; 2]) -> LightSamples {
     let [u, v] = position.map(|value| value + value - f32x8::ONE);
-    let [x, z] = [0, 1].map(|axis| pack(sheets.map(|sheet| sheet.axes[axis])));
-    let offset = pack(sheets.map(|sheet| sheet.centre)) + x * u + z * v - p;
+    let row = |&SheetLight { centre, axes: [x, z], .. }: &SheetLight| {
+        [centre.x, centre.y, centre.z, x.x, x.y, x.z, z.x, z.y]
+    };
+    let [cx, cy, cz, xx, xy, xz, zx, zy] = transposed(sheets.map(row));
+    let row = |&SheetLight { axes: [_, z], normal: n, area, radiance, .. }: &SheetLight| {
+        [z.z, n.x, n.y, n.z, area, radiance.x, radiance.y, radiance.z]
+    };
+    let [zz, nx, ny, nz, area, red, green, blue] = transposed(sheets.map(row));
+    let offset = FieldVec3::new(cx, cy, cz) + FieldVec3::new(xx, xy, xz) * u + FieldVec3::new(zx, zy, zz) * v - p;
     let square = offset.dot(offset);
     let distance = square.sqrt();
     let direction = offset * (f32x8::ONE / distance);
-    let cosine = -pack(sheets.map(|sheet| sheet.normal)).dot(direction);
-    let solid_angle = lanes(|lane| sheets[lane].area) * cosine / square;
+    let cosine = -FieldVec3::new(nx, ny, nz).dot(direction);
+    let solid_angle = area * cosine / square;
     LightSamples {
         direction,
         distance: distance * f32x8::splat(SHADOW_RAY_SHARE),
-        irradiance: pack(sheets.map(|sheet| sheet.radiance)) * solid_angle,
+        irradiance: FieldVec3::new(red, green, blue) * solid_angle,
         pdf: f32x8::ONE / solid_angle,
         exist: Mask8(cosine.simd_gt(f32x8::ZERO)),
     }

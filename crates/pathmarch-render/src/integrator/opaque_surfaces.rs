@@ -51,9 +51,10 @@ fn shade<B: BsdfInLanes>(
     surface_index: u32,
     shadow_tests: &mut Vec<ShadowTest>,
 ) -> u32 {
-    let inputs = ShadingInputs::new::<B>(ctx, paths, surfaces, samples);
+    let (inputs, parameters, samples_lights) = ShadingInputs::new::<B>(ctx, paths, surfaces, samples);
     let origins = unpack(inputs.origin);
-    let scattered = shade_lanes::<B>(ctx, &inputs, samples.light_samples, surface_index, |light| {
+    let light_samples = (samples.light_samples, samples_lights);
+    let scattered = shade_lanes::<B>(ctx, &inputs, &parameters, light_samples, surface_index, |light| {
         let (directions, radiance) = (unpack(light.direction), unpack(light.radiance));
         let (distance, weight) = (light.distance.to_array(), light.weight.to_array());
         for lane in set_bits(light.lit) {
@@ -76,7 +77,7 @@ fn shade<B: BsdfInLanes>(
     let (scatter_pdfs, normals) = (scattered.pdf.to_array(), unpack(inputs.shading_normal));
     for (lane, (index, _)) in surfaces.iter().enumerate() {
         let path = &mut paths[*index];
-        if inputs.samples_lights >> lane & 1 == 1 {
+        if samples_lights >> lane & 1 == 1 {
             path.previous_vertex = origins[lane];
             path.previous_normal = Some(normals[lane]);
         }
@@ -113,17 +114,18 @@ pub(super) struct ScatteredPaths {
     pub(super) goes_on: u32,
 }
 
-/// Samples lights, each of which it passes to `test_light`, and the next rays.
+/// Samples lights, each of which it passes to `test_light`, and the next rays, of materials of one kind with these parameters. A
+/// number of lights is sampled in the lanes of which it has a bit: at all surfaces but mirrors.
 #[inline(always)]
 pub(super) fn shade_lanes<'a, B: BsdfInLanes>(
     ctx: &TraceContext<'a>,
     inputs: &ShadingInputs,
-    light_samples: u32,
+    parameters: &ParametersInLanes,
+    (light_samples, samples_lights): (u32, u32),
     surface_index: u32,
-    mut test_light: impl FnMut(LightOfPaths<'a>),
+    mut test_light: impl FnMut(&LightOfPaths<'a>),
 ) -> ScatteredPaths {
-    let &ShadingInputs { origin, samples_lights, normal, shading_normal, throughput, choice, .. } = inputs;
-    let parameters = &inputs.parameters;
+    let &ShadingInputs { origin, normal, shading_normal, throughput, choice, .. } = inputs;
     // Light through the geometric surface is lost.
     let crosses_surface = |direction: FieldVec3<f32x8>| {
         Mask8(direction.dot(normal).simd_lt(f32x8::ZERO)) & f32x8::truth(ctx.config.shading_normals)
@@ -142,7 +144,7 @@ pub(super) fn shade_lanes<'a, B: BsdfInLanes>(
             & !crosses_surface(light.direction)
             & Mask8(wi.z.simd_gt(f32x8::ZERO))
             & Mask8(evaluated.value.largest().simd_gt(f32x8::ZERO));
-        test_light(LightOfPaths {
+        test_light(&LightOfPaths {
             lit: is_lit.0.to_bitmask(),
             direction: light.direction,
             radiance: throughput.times(evaluated.value).times(light.irradiance) * share,
@@ -167,13 +169,9 @@ pub(super) fn shade_lanes<'a, B: BsdfInLanes>(
 }
 
 /// What [`shade_lanes`] reads of eight surfaces, their paths and random numbers.
-#[derive(Clone, Copy)]
 pub(super) struct ShadingInputs {
     /// Origins of rays that leave the surfaces, in world space.
     pub(super) origin: FieldVec3<f32x8>,
-    /// Lanes where a light is sampled, a bit for each: all surfaces but mirrors.
-    pub(super) samples_lights: u32,
-    pub(super) parameters: ParametersInLanes,
     /// Unit geometric normals.
     pub(super) normal: FieldVec3<f32x8>,
     /// Unit shading normals.
@@ -190,13 +188,14 @@ pub(super) struct ShadingInputs {
 }
 
 impl ShadingInputs {
+    /// Inputs of one to eight surfaces; also the parameters of their materials and a bit for each that is no mirror.
     #[inline(always)]
     fn new<B: BsdfInLanes>(
         ctx: &TraceContext,
         paths: &[Path],
         surfaces: &[SurfaceOfPath],
         samples: &SurfaceSamples,
-    ) -> Self {
+    ) -> (Self, ParametersInLanes, u32) {
         let (mut origins, mut samples_lights) = ([Vec3::ZERO; 8], 0);
         let mut components = [[0.0; 8]; 19];
         let mut parameters = [[0.0; 8]; 8];
@@ -222,10 +221,8 @@ impl ShadingInputs {
         }
         let [nx, ny, nz, sx, sy, sz, vx, vy, vz, tr, tg, tb, index_square, a, b, c, d, e, f] =
             components.map(f32x8::from);
-        Self {
+        let inputs = Self {
             origin: pack(origins),
-            samples_lights,
-            parameters: parameters.map(f32x8::from),
             normal: FieldVec3::new(nx, ny, nz),
             shading_normal: FieldVec3::new(sx, sy, sz),
             to_viewer: FieldVec3::new(vx, vy, vz),
@@ -234,6 +231,7 @@ impl ShadingInputs {
             choice: [a, b],
             light: [c, d],
             scatter: [e, f],
-        }
+        };
+        (inputs, parameters.map(f32x8::from), samples_lights)
     }
 }

@@ -14,15 +14,15 @@ use super::path::emission_towards;
 use super::path_reuse::PathReuse;
 use super::path_state::{Path, ROULETTE_DEPTH, clamped_lanes, sky_and_suns};
 use super::splitting::camera_ray_index;
-use crate::intersect::ray::{Ray, Rays8, lane_of, lanes, mask_of, pack, set_bits, unpack};
+use crate::intersect::ray::{Ray, Rays8, lane_of, mask_of, pack, set_bits, transposed, unpack};
 use crate::sampling::sobol::{PixelSampler8, pair};
-use crate::scene::material::{DELTA, EMITS, GLOWS};
+use crate::scene::material::{DELTA, EMITS, GLOWS, LAMBERTIAN};
 use crate::scene::{KernelConfig, RenderScene, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, Surfaces8};
 use crate::shading::textured_point::TexturedPoint;
 use glam::Vec3;
 use pathmarch_field::number::{Real, Vec3 as FieldVec3};
-use pathmarch_scene::materials::{BsdfInLanes, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes};
+use pathmarch_scene::materials::{BsdfInLanes, DiffuseInLanes, MetalInLanes, ParametersInLanes};
 use wide::f32x8;
 
 /// Reports whether [`trace`] serves a scene without photons: all of it is intersected in closed form and shaded in lanes.
@@ -95,10 +95,10 @@ struct Packet {
 impl Packet {
     /// Paths that start at the camera, one for each of these pixels.
     fn at_camera(ctx: &TraceContext, pixels: &[(u32, u32)], sample: u32) -> Self {
-        let mut samplers = [pixel_sampler(ctx, pixels[0].0, pixels[0].1, sample); 8];
-        for (sampler, &(x, y)) in samplers.iter_mut().zip(pixels) {
-            *sampler = pixel_sampler(ctx, x, y, sample);
-        }
+        let samplers = std::array::from_fn(|lane| {
+            let (x, y) = pixels[lane.min(pixels.len() - 1)];
+            pixel_sampler(ctx, x, y, sample)
+        });
         let samplers = PixelSampler8::new(&samplers);
         let Rays8 { origin, direction, .. } = camera_rays_in_lanes(ctx.frame, pixels, &samplers);
         let zero = FieldVec3::splat(f32x8::ZERO);
@@ -209,12 +209,12 @@ impl Packet {
             if let Some(reuse) = reuse.as_deref_mut().filter(|_| surface_index < 2) {
                 self.record(ctx, &surfaces, surface_index, reuse);
             }
-            let materials = MaterialsOfLanes::new(ctx, &surfaces, self.alive);
-            self.add_each(materials.emitting, |packet, lane| {
+            let materials = MaterialsOfLanes::new(ctx, &surfaces);
+            self.add_each(materials.emitting & self.alive, |packet, lane| {
                 let interaction = packet.interaction(&surfaces, lane);
                 emission_towards(ctx, &packet.path(ctx, lane), &interaction, surface_index)
             });
-            self.alive &= materials.diffuse | materials.metal;
+            self.alive &= !materials.ending;
             if self.alive == 0 || surface_index > ctx.frame.bounces {
                 return;
             }
@@ -276,8 +276,6 @@ impl Packet {
         let parts = if surface_index == 0 { ctx.config.indirect_samples } else { 1 };
         let inputs = ShadingInputs {
             origin: surfaces.p + surfaces.normal_offset,
-            samples_lights,
-            parameters: [f32x8::ZERO; 8],
             normal: surfaces.normal,
             shading_normal: surfaces.normal,
             to_viewer: -self.direction,
@@ -289,18 +287,19 @@ impl Packet {
         };
         let arriving = *self;
         self.alive = 0;
-        if arriving.alive & materials.diffuse != 0 {
-            let bits = arriving.alive & materials.diffuse;
-            self.scatter_kind::<DiffuseInLanes>(ctx, &arriving, surfaces, &inputs, bits, (light_samples, surface_index));
+        let (diffuse, metal) = (arriving.alive & materials.diffuse, arriving.alive & !materials.diffuse);
+        if diffuse != 0 {
+            let samples = (light_samples, samples_lights & diffuse);
+            self.scatter_kind::<DiffuseInLanes>(ctx, &arriving, surfaces, &inputs, diffuse, samples, surface_index);
         }
-        if arriving.alive & materials.metal != 0 {
-            let bits = arriving.alive & materials.metal;
-            self.scatter_kind::<MetalInLanes>(ctx, &arriving, surfaces, &inputs, bits, (light_samples, surface_index));
+        if metal != 0 {
+            let samples = (light_samples, samples_lights & metal);
+            self.scatter_kind::<MetalInLanes>(ctx, &arriving, surfaces, &inputs, metal, samples, surface_index);
         }
+        self.has_previous_normal |= samples_lights;
         let samples_lights = mask_of(samples_lights);
         self.previous_vertex = FieldVec3::select(samples_lights, inputs.origin, self.previous_vertex);
         self.previous_normal = FieldVec3::select(samples_lights, inputs.shading_normal, self.previous_normal);
-        self.has_previous_normal |= inputs.samples_lights;
         self.origin = inputs.origin;
     }
 
@@ -313,17 +312,14 @@ impl Packet {
         surfaces: &Surfaces8,
         inputs: &ShadingInputs,
         bits: u32,
-        (light_samples, surface_index): (u32, u32),
+        (light_samples, samples_lights): (u32, u32),
+        surface_index: u32,
     ) {
-        let inputs = ShadingInputs {
-            samples_lights: inputs.samples_lights & bits,
-            parameters: arriving.parameters::<B>(ctx, surfaces, bits),
-            ..*inputs
-        };
-        let light_samples = if inputs.samples_lights == 0 { 0 } else { light_samples };
+        let parameters = arriving.parameters::<B>(ctx, surfaces, bits);
+        let light_samples = (if samples_lights == 0 { 0 } else { light_samples }, samples_lights);
         let ScatteredPaths { direction, throughput, pdf, goes_on } =
-            shade_lanes::<B>(ctx, &inputs, light_samples, surface_index, |light| {
-                self.test_light(ctx, inputs.origin, &light, bits, surface_index);
+            shade_lanes::<B>(ctx, inputs, &parameters, light_samples, surface_index, |light| {
+                self.test_light(ctx, inputs.origin, light, samples_lights, surface_index);
             });
         let lanes = mask_of(bits);
         self.direction = FieldVec3::select(lanes, direction, self.direction);
@@ -339,10 +335,10 @@ impl Packet {
         ctx: &TraceContext,
         origin: FieldVec3<f32x8>,
         light: &LightOfPaths,
-        bits: u32,
+        samples_lights: u32,
         surface_index: u32,
     ) {
-        let lit = light.lit & bits;
+        let lit = light.lit & samples_lights;
         if lit == 0 {
             return;
         }
@@ -370,16 +366,16 @@ impl Packet {
             let lane = if bits >> lane & 1 == 1 { lane } else { any };
             ctx.scene.material_of(surfaces.leaf[lane])
         };
-        let materials: [_; 8] = std::array::from_fn(material);
-        let mut parameters = [f32x8::ZERO; 8];
-        for (k, parameter) in parameters.iter_mut().enumerate().take(B::PARAMETERS) {
-            *parameter = lanes(|lane| materials[lane].parameters[k]);
+        let mut rows = [[0.0; 8]; 8];
+        for (lane, row) in rows.iter_mut().enumerate() {
+            row.copy_from_slice(&material(lane).parameters[..8]);
         }
+        let mut parameters = transposed(rows);
         if ctx.config.textures {
             for lane in set_bits(bits) {
                 let interaction = self.interaction(surfaces, lane);
                 if let Some(textured) = TexturedPoint::new(ctx, &interaction, interaction.length) {
-                    let own = textured.parameters(&materials[lane].parameters);
+                    let own = textured.parameters(&material(lane).parameters);
                     for (parameter, value) in parameters.iter_mut().zip(&own[..B::PARAMETERS]) {
                         parameter.as_mut_array()[lane] = *value;
                     }
@@ -392,28 +388,27 @@ impl Packet {
 
 /// Lanes by what their materials do, a bit for each.
 struct MaterialsOfLanes {
+    /// Emits light.
     emitting: u32,
-    diffuse: u32,
-    metal: u32,
+    /// Scatters no light.
+    ending: u32,
+    /// Samples no lights.
     delta: u32,
+    /// Diffuse; the others that scatter are metal.
+    diffuse: u32,
 }
 
 impl MaterialsOfLanes {
     #[inline(always)]
-    fn new(ctx: &TraceContext, surfaces: &Surfaces8, alive: u32) -> Self {
-        let mut result = Self { emitting: 0, diffuse: 0, metal: 0, delta: 0 };
-        for lane in set_bits(alive) {
-            let material = ctx.scene.leaves[surfaces.leaf[lane]].material as usize;
-            let flags = ctx.scene.materials[material].flags;
-            let bit = 1 << lane;
-            result.emitting |= if flags & (EMITS | GLOWS) != 0 { bit } else { 0 };
-            result.delta |= if flags & DELTA != 0 { bit } else { 0 };
-            match ctx.scene.bsdfs[material].and_then(|bsdf| bsdf.in_lanes) {
-                _ if flags & EMITS != 0 => {}
-                Some(KindInLanes::Diffuse) => result.diffuse |= bit,
-                Some(KindInLanes::Metal) => result.metal |= bit,
-                None => {}
-            }
+    fn new(ctx: &TraceContext, surfaces: &Surfaces8) -> Self {
+        let mut result = Self { emitting: 0, ending: 0, delta: 0, diffuse: 0 };
+        for lane in 0..8 {
+            let flags = ctx.scene.material_of(surfaces.leaf[lane]).flags;
+            let bit = |flag: u32| u32::from(flags & flag != 0) << lane;
+            result.emitting |= bit(EMITS | GLOWS);
+            result.ending |= bit(EMITS);
+            result.delta |= bit(DELTA);
+            result.diffuse |= bit(LAMBERTIAN);
         }
         result
     }

@@ -45,6 +45,12 @@ pub(crate) fn lanes(value: impl Fn(usize) -> f32) -> f32x8 {
     f32x8::from(std::array::from_fn(value))
 }
 
+/// Numbers of the eight lanes, from those of each lane.
+#[inline(always)]
+pub(crate) fn transposed(rows: [[f32; 8]; 8]) -> [f32x8; 8] {
+    f32x8::transpose(rows.map(f32x8::from))
+}
+
 /// Lanes whose bit is set.
 #[inline(always)]
 pub(crate) fn mask_of(bits: u32) -> Mask8 {

@@ -160,12 +160,12 @@ pub(crate) struct PixelSampler8 {
 }
 
 impl PixelSampler8 {
-    /// Samplers of up to eight pixels, at the same sample of each. The first one fills the last lanes.
-    pub(crate) fn new(samplers: &[PixelSampler]) -> Self {
+    /// Samplers of one seed and kind, at the same sample of each pixel.
+    #[inline(always)]
+    pub(crate) fn new(samplers: &[PixelSampler; 8]) -> Self {
         let PixelSampler { seed_hash, sample, independent, .. } = samplers[0];
         debug_assert!(samplers.iter().all(|other| (other.seed_hash, other.sample) == (seed_hash, sample)));
-        let curve_index = std::array::from_fn(|lane| samplers.get(lane).unwrap_or(&samplers[0]).curve_index);
-        Self { seed_hash, curve_index, sample, independent }
+        Self { seed_hash, curve_index: samplers.map(|sampler| sampler.curve_index), sample, independent }
     }
 
     /// Sampler of a lane.
@@ -217,6 +217,7 @@ pub(crate) struct PixelSampler {
 
 impl PixelSampler {
     /// Sobol' points of sample `sample` of the pixel (`x`, `y`), both below 2^16, for a seed.
+    #[inline]
     pub(crate) fn new(x: u32, y: u32, sample: u32, seed: u32) -> Self {
         let morton = (spread_bits(x) | (spread_bits(y) << 1)).reverse_bits();
         // A hash decides for each block if its curve runs along x or y first, so that the noise has no preferred
@@ -360,7 +361,7 @@ mod tests {
             let each: Vec<[f32; 2]> = samplers.iter().map(|sampler| sampler.sample_2d(9)).collect();
             assert_eq!(PixelSampler::samples_2d(&samplers, 9), each);
             let samplers: Vec<PixelSampler> = samplers.iter().map(|sampler| sampler.with_sample(6)).collect();
-            let lanes = PixelSampler8::new(&samplers[..8]);
+            let lanes = PixelSampler8::new(&std::array::from_fn(|lane| samplers[lane]));
             let [x, y] = lanes.part(1, 3).sample_2d(9).map(f32x8::to_array);
             for lane in 0..8 {
                 let expected = samplers[lane].part(1, 3).sample_2d(9);

@@ -96,6 +96,7 @@ pub(crate) struct SunLight {
 
 /// Emitting ball, or bounding sphere of an emitting object.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct SphereLight {
     pub(crate) centre: Vec3,
     /// Radius, metres.
@@ -123,18 +124,19 @@ pub(crate) struct TrianglesLight {
 
 /// Emitting rectangle or disc, a sheet without thickness.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct SheetLight {
     pub(crate) centre: Vec3,
     /// Half edges of a rectangle, metres; unit axes of a disc.
     pub(crate) axes: [Vec3; 2],
     /// Unit normal of the emitting side.
     pub(crate) normal: Vec3,
-    /// Radius of a disc, metres; 0 for a rectangle.
-    pub(crate) radius: f32,
     /// Area, square metres.
     pub(crate) area: f32,
     /// Emitted radiance, W/(m² sr).
     pub(crate) radiance: Vec3,
+    /// Radius of a disc, metres; 0 for a rectangle.
+    pub(crate) radius: f32,
     /// Leaf of the field.
     pub(crate) leaf: u32,
 }

@@ -1,7 +1,7 @@
 //! Surface interactions: position, normal, side and leaf of hits, eight at a time.
 
 use crate::intersect::march::{rounding_at, start_offset};
-use crate::intersect::ray::{Hit, RaySegment, Rays8, lane_of, lanes};
+use crate::intersect::ray::{Hit, RaySegment, Rays8, lane_of, lanes, transposed};
 use crate::scene::TraceContext;
 use crate::scene::leaf::{ANALYTIC, MESH_FIELD, TWO_SIDED};
 use glam::Vec3;
@@ -68,13 +68,11 @@ impl Surfaces8 {
         leaf: [usize; 8],
         clearance: f32x8,
     ) -> Self {
-        let record = |lane: usize| &ctx.scene.leaves[leaf[lane]];
-        let origin = FieldVec3::new(
-            lanes(|lane| record(lane).origin[0]),
-            lanes(|lane| record(lane).origin[1]),
-            lanes(|lane| record(lane).origin[2]),
-        );
-        let is_analytic = lanes(|lane| f32::from(record(lane).has(ANALYTIC)));
+        let records = leaf.map(|leaf| ctx.scene.leaves[leaf]);
+        let [_, _, _, _, x, y, z, flags] = transposed(records.map(bytemuck::cast));
+        let origin = FieldVec3::new(x, y, z);
+        let flags = flags.to_array().map(f32::to_bits);
+        let is_analytic = lanes(|lane| (flags[lane] & ANALYTIC) as f32);
 
         let inverse = f32x8::ONE / field.gradient.length().fast_max(f32x8::splat(1e-6));
         let outward = field.gradient * inverse;

@@ -3,6 +3,7 @@
 use super::{Member, ShapeGrid, growth, is_single, is_union};
 use crate::blend::Blend;
 use crate::bounds::Aabb;
+use crate::graph::analytic::AnalyticObject;
 use crate::graph::bvh::{self, Bvh};
 use crate::graph::{EvalStrategy, Field, Tree};
 
@@ -61,6 +62,10 @@ impl Field {
             self.bvh = Bvh::new(analytic.into_iter().map(|(index, leaf)| (leaf, self.object_bounds[index])).collect());
         }
         self.singles = (0..).zip(&strategies).filter(|(_, strategy)| is_single(**strategy)).map(|(k, _)| k).collect();
+        let analytic = self.singles.iter().filter(|&&index| strategies[index as usize] == EvalStrategy::Analytic);
+        let analytic_object =
+            |&object: &u32| AnalyticObject { object, leaf: self.direct(&self.objects[object as usize]) };
+        self.analytic = analytic.map(analytic_object).collect();
         (self.strategies, self.shape_grids) = (strategies, shape_grids);
     }
 
