@@ -9,7 +9,7 @@ use super::medium::transmittance;
 use super::participating_media::{
     emitted_radiance, medium_after, phase_function, sample_distance, sample_phase, sample_point,
 };
-use super::path_state::{Path, clamped, escaped_radiance};
+use super::path_state::{Path, clamped};
 use super::shadow::{self, MAX_CROSSINGS, ShadowTest};
 use crate::intersect::march::march;
 use crate::intersect::ray::{Hit, RaySegment};
@@ -290,7 +290,7 @@ fn pass(
         path.throughput *= transmittance(medium.extinction(), length);
     }
     if hit.is_none() {
-        radiance[path.slot] += clamped(ctx, path.throughput * escaped_radiance(ctx, path), bounces);
+        radiance[path.slot] += clamped(ctx, path.throughput * path.escaped_radiance(ctx), bounces);
     }
     Passed { end: SegmentEnd::Surface, emitted }
 }

@@ -10,30 +10,29 @@
 
 use super::camera::{camera_rays_in_lanes, pixel_sampler};
 use super::opaque_surfaces::{LightOfPaths, ScatteredPaths, ShadingInputs, shade_lanes};
-use super::path::emission_towards;
+use super::medium::transmittance;
+use super::path::{emission_towards, shade};
 use super::path_reuse::PathReuse;
-use super::path_state::{Path, ROULETTE_DEPTH, clamped_lanes, sky_and_suns};
+use super::path_state::{Path, ROULETTE_DEPTH, clamped, clamped_lanes, escaped_radiance};
+use super::shadow::{ShadowTest, direct_light};
 use super::splitting::camera_ray_index;
+use super::surface_samples::SurfaceSample;
 use crate::intersect::ray::{Ray, Rays8, lane_of, mask_of, pack, set_bits, transposed, unpack};
 use crate::sampling::sobol::{PixelSampler8, pair};
-use crate::scene::material::{DELTA, EMITS, GLOWS, LAMBERTIAN};
-use crate::scene::{KernelConfig, RenderScene, TraceContext};
+use crate::scene::material::{CLEAR, DELTA, EMITS, GLOWS, LAMBERTIAN};
+use crate::scene::{KernelConfig, Medium, RenderScene, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, Surfaces8};
 use crate::shading::textured_point::TexturedPoint;
 use glam::Vec3;
 use pathmarch_field::number::{Real, Vec3 as FieldVec3};
-use pathmarch_scene::materials::{BsdfInLanes, DiffuseInLanes, MetalInLanes, ParametersInLanes};
+use pathmarch_scene::materials::{BsdfInLanes, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes};
 use wide::f32x8;
 
-/// Reports whether [`trace`] serves a scene without photons: all of it is intersected in closed form and shaded in lanes.
+/// Reports whether [`trace`] serves a scene, at least without photons: all of it is intersected in closed form, and without
+/// media but those that absorb inside solids.
 pub(crate) fn are_possible(scene: &RenderScene, config: &KernelConfig) -> bool {
-    let has_surfaces_in_lanes =
-        scene.bsdfs.iter().zip(&scene.materials).all(|(bsdf, material)| {
-            material.emits() || bsdf.is_some_and(|bsdf| bsdf.in_lanes.is_some())
-        });
     let is_closed_form = !scene.is_sphere_traced() && !scene.field.has_triangles() && !config.mesh_fields;
-    let is_plain = !config.media && !config.absorption && !config.penumbra && !config.shading_normals;
-    has_surfaces_in_lanes && is_closed_form && is_plain && !config.transmission
+    is_closed_form && !config.media && !config.dispersion && !config.penumbra && !config.shading_normals
 }
 
 /// Radiance of samples of these pixels, as [`path::trace`](super::path::trace).
@@ -88,6 +87,11 @@ struct Packet {
     throughput: FieldVec3<f32x8>,
     length: f32x8,
     scatter_pdf: f32x8,
+    /// Lanes whose [`Path::lights_are_counted`], a bit for each.
+    lights_are_counted: u32,
+    index_square: f32x8,
+    /// The media that absorb; those around the camera where none does.
+    media: [Medium; 8],
     /// Radiance so far, W/(m² sr).
     radiance: FieldVec3<f32x8>,
 }
@@ -115,12 +119,15 @@ impl Packet {
             throughput: FieldVec3::splat(f32x8::ONE),
             length: f32x8::ZERO,
             scatter_pdf: f32x8::ZERO,
+            lights_are_counted: 0,
+            index_square: f32x8::ONE,
+            media: [ctx.frame.camera_medium(); 8],
             radiance: zero,
         }
     }
 
     /// Path of a lane.
-    fn path(&self, ctx: &TraceContext, lane: usize) -> Path {
+    fn path(&self, lane: usize) -> Path {
         let has_normal = self.has_previous_normal >> lane & 1 == 1;
         Path {
             slot: self.first_slot + lane * self.slot_step,
@@ -131,12 +138,41 @@ impl Packet {
             throughput: lane_of(self.throughput, lane),
             length: self.length.as_array()[lane],
             scatter_pdf: self.scatter_pdf.as_array()[lane],
-            medium: ctx.frame.camera_medium(),
-            lights_are_counted: false,
+            medium: self.media[lane],
+            lights_are_counted: self.lights_are_counted >> lane & 1 == 1,
             met_photons: false,
-            index_square: 1.0,
+            index_square: self.index_square.as_array()[lane],
             wavelength: None,
         }
+    }
+
+    /// Puts a path that has left its surface back into its lane.
+    fn put(&mut self, lane: usize, path: &Path) {
+        let set = |v: &mut FieldVec3<f32x8>, value: Vec3| {
+            v.x.as_mut_array()[lane] = value.x;
+            v.y.as_mut_array()[lane] = value.y;
+            v.z.as_mut_array()[lane] = value.z;
+        };
+        set(&mut self.origin, path.ray.origin);
+        set(&mut self.direction, path.ray.direction);
+        set(&mut self.previous_vertex, path.previous_vertex);
+        set(&mut self.previous_normal, path.previous_normal.unwrap_or_default());
+        set(&mut self.throughput, path.throughput);
+        self.scatter_pdf.as_mut_array()[lane] = path.scatter_pdf;
+        self.index_square.as_mut_array()[lane] = path.index_square;
+        self.media[lane] = path.medium;
+        let with_bit = |bits: u32, bit: bool| bits & !(1 << lane) | u32::from(bit) << lane;
+        self.has_previous_normal = with_bit(self.has_previous_normal, path.previous_normal.is_some());
+        self.lights_are_counted = with_bit(self.lights_are_counted, path.lights_are_counted);
+    }
+
+    /// Lanes in a medium that absorbs.
+    #[inline(always)]
+    fn absorbed(&self, ctx: &TraceContext) -> u32 {
+        if !ctx.config.absorption {
+            return 0;
+        }
+        (0..8).map(|lane| u32::from(self.media[lane].absorption != Vec3::ZERO) << lane).sum()
     }
 
     /// Adds radiance to lanes.
@@ -167,6 +203,13 @@ impl Packet {
         let (t, leaf) = ctx.scene.field.analytic_hit_before(limit, self.origin, self.direction);
         let hit = t.simd_lt(limit).to_bitmask() & self.alive;
         let missed = self.alive & !hit;
+        for lane in set_bits(self.absorbed(ctx) & self.alive) {
+            let length = if hit >> lane & 1 == 1 { t.as_array()[lane] } else { f32::INFINITY };
+            let factor = transmittance(self.media[lane].absorption, length);
+            for (component, factor) in [(&mut self.throughput.x, factor.x), (&mut self.throughput.y, factor.y), (&mut self.throughput.z, factor.z)] {
+                component.as_mut_array()[lane] *= factor;
+            }
+        }
         if missed != 0 {
             let sky = self.sky(ctx, missed);
             self.add(missed, clamped_lanes(ctx, self.throughput.times(sky), surface_index.saturating_sub(1)));
@@ -189,7 +232,8 @@ impl Packet {
         let mut sky = [Vec3::ZERO; 8];
         let (directions, pdfs) = (unpack(self.direction), self.scatter_pdf.to_array());
         for lane in set_bits(bits) {
-            sky[lane] = sky_and_suns(ctx, directions[lane], pdfs[lane]);
+            let are_counted = self.lights_are_counted >> lane & 1 == 1;
+            sky[lane] = escaped_radiance(ctx, are_counted, directions[lane], pdfs[lane]);
         }
         pack(sky)
     }
@@ -212,7 +256,7 @@ impl Packet {
             let materials = MaterialsOfLanes::new(ctx, &surfaces);
             self.add_each(materials.emitting & self.alive, |packet, lane| {
                 let interaction = packet.interaction(&surfaces, lane);
-                emission_towards(ctx, &packet.path(ctx, lane), &interaction, surface_index)
+                emission_towards(ctx, &packet.path(lane), &interaction, surface_index)
             });
             self.alive &= !materials.ending;
             if self.alive == 0 || surface_index > ctx.frame.bounces {
@@ -242,7 +286,7 @@ impl Packet {
         let radiance = unpack(self.radiance);
         let mut shared = 0;
         for lane in set_bits(self.alive) {
-            let (path, interaction) = (self.path(ctx, lane), self.interaction(surfaces, lane));
+            let (path, interaction) = (self.path(lane), self.interaction(surfaces, lane));
             shared |= u32::from(reuse.record(ctx, &path, &interaction, surface_index, radiance[lane])) << lane;
         }
         let shared = mask_of(shared);
@@ -272,35 +316,51 @@ impl Packet {
         let random =
             |samplers: &PixelSampler8, pair| samplers.sample_2d(pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + pair);
         let chooses = light_samples > 0 && (ctx.scene.lights.len() > 1 || surface_index > ROULETTE_DEPTH);
-        let samples_lights = self.alive & !materials.delta;
         let parts = if surface_index == 0 { ctx.config.indirect_samples } else { 1 };
+        let samplers = self.samplers.part(part, parts);
         let inputs = ShadingInputs {
             origin: surfaces.p + surfaces.normal_offset,
             normal: surfaces.normal,
             shading_normal: surfaces.normal,
             to_viewer: -self.direction,
             throughput: self.throughput,
-            index_square: f32x8::ONE,
+            index_square: self.index_square,
             choice: if chooses { random(&self.samplers, pair::PAIR_CHOICE) } else { [f32x8::ZERO; 2] },
             light: if light_samples > 0 { random(&self.samplers, pair::PAIR_LIGHT) } else { [f32x8::ZERO; 2] },
-            scatter: random(&self.samplers.part(part, parts), pair::PAIR_SCATTER),
+            scatter: random(&samplers, pair::PAIR_SCATTER),
         };
-        let arriving = *self;
+        let (diffuse, metal) = (self.alive & materials.diffuse, self.alive & materials.metal);
+        let others = self.alive & !diffuse & !metal;
+        let samples_lights = (diffuse | metal) & !materials.delta;
         self.alive = 0;
-        let (diffuse, metal) = (arriving.alive & materials.diffuse, arriving.alive & !materials.diffuse);
+        let mut tests = Vec::new();
         if diffuse != 0 {
             let samples = (light_samples, samples_lights & diffuse);
-            self.scatter_kind::<DiffuseInLanes>(ctx, &arriving, surfaces, &inputs, diffuse, samples, surface_index);
+            self.scatter_kind::<DiffuseInLanes>(ctx, surfaces, &inputs, diffuse, samples, surface_index, &mut tests);
         }
         if metal != 0 {
             let samples = (light_samples, samples_lights & metal);
-            self.scatter_kind::<MetalInLanes>(ctx, &arriving, surfaces, &inputs, metal, samples, surface_index);
+            self.scatter_kind::<MetalInLanes>(ctx, surfaces, &inputs, metal, samples, surface_index, &mut tests);
         }
+        if others != 0 {
+            let lobe = match ctx.config.chooses_lobes {
+                true => random(&samplers, pair::PAIR_LOBE),
+                false => [f32x8::ZERO; 2],
+            };
+            self.scatter_each(ctx, surfaces, &inputs, others, lobe, (light_samples, surface_index), &mut tests);
+        }
+        let is_in_lanes = mask_of(diffuse | metal);
+        self.origin = FieldVec3::select(is_in_lanes, inputs.origin, self.origin);
+        self.lights_are_counted &= others;
         self.has_previous_normal |= samples_lights;
         let samples_lights = mask_of(samples_lights);
         self.previous_vertex = FieldVec3::select(samples_lights, inputs.origin, self.previous_vertex);
         self.previous_normal = FieldVec3::select(samples_lights, inputs.shading_normal, self.previous_normal);
-        self.origin = inputs.origin;
+        if !tests.is_empty() {
+            for (lane, light) in direct_light(ctx, tests, surface_index) {
+                self.add_each(1 << lane, |_, _| clamped(ctx, light, surface_index));
+            }
+        }
     }
 
     /// [`scatter`](Self::scatter) for the lanes with a kind of material.
@@ -308,18 +368,18 @@ impl Packet {
     fn scatter_kind<B: BsdfInLanes>(
         &mut self,
         ctx: &TraceContext,
-        arriving: &Self,
         surfaces: &Surfaces8,
         inputs: &ShadingInputs,
         bits: u32,
         (light_samples, samples_lights): (u32, u32),
         surface_index: u32,
+        tests: &mut Vec<ShadowTest>,
     ) {
-        let parameters = arriving.parameters::<B>(ctx, surfaces, bits);
+        let parameters = self.parameters::<B>(ctx, surfaces, bits);
         let light_samples = (if samples_lights == 0 { 0 } else { light_samples }, samples_lights);
         let ScatteredPaths { direction, throughput, pdf, goes_on } =
             shade_lanes::<B>(ctx, inputs, &parameters, light_samples, surface_index, |light| {
-                self.test_light(ctx, inputs.origin, light, samples_lights, surface_index);
+                self.test_light(ctx, inputs.origin, light, samples_lights, surface_index, tests);
             });
         let lanes = mask_of(bits);
         self.direction = FieldVec3::select(lanes, direction, self.direction);
@@ -328,7 +388,37 @@ impl Packet {
         self.alive |= goes_on & bits;
     }
 
-    /// Adds the light of light samples that nothing occludes.
+    /// [`scatter`](Self::scatter) for lanes with materials that are shaded one by one.
+    fn scatter_each(
+        &mut self,
+        ctx: &TraceContext,
+        surfaces: &Surfaces8,
+        inputs: &ShadingInputs,
+        bits: u32,
+        lobe: [f32x8; 2],
+        (light_samples, surface_index): (u32, u32),
+        tests: &mut Vec<ShadowTest>,
+    ) {
+        for lane in set_bits(bits) {
+            let of_lane = |numbers: [f32x8; 2]| numbers.map(|number| number.as_array()[lane]);
+            let samples = SurfaceSample {
+                light_samples,
+                choice: of_lane(inputs.choice),
+                light: of_lane(inputs.light),
+                scatter: of_lane(inputs.scatter),
+                lobe: of_lane(lobe),
+            };
+            let (mut path, interaction) = (self.path(lane), self.interaction(surfaces, lane));
+            path.slot = lane;
+            // Only photons add radiance here.
+            let mut radiance = Vec3::ZERO;
+            let next_ray = shade(ctx, &mut path, &interaction, &samples, surface_index, &mut radiance, tests);
+            self.put(lane, &path);
+            self.alive |= u32::from(next_ray.is_some()) << lane;
+        }
+    }
+
+    /// Adds the light of light samples that nothing occludes. Those that take more than a look for an occluder become `tests`.
     #[inline(always)]
     fn test_light(
         &mut self,
@@ -337,25 +427,40 @@ impl Packet {
         light: &LightOfPaths,
         samples_lights: u32,
         surface_index: u32,
+        tests: &mut Vec<ShadowTest>,
     ) {
         let lit = light.lit & samples_lights;
-        if lit == 0 {
-            return;
-        }
-        let limit = light.distance.fast_min(f32x8::splat(ctx.frame.far));
-        let limit = Real::select(mask_of(lit), limit, f32x8::splat(-1.0));
-        let (t, leaf) = ctx.scene.field.analytic_hit_before(limit, origin, light.direction);
-        let hit = t.simd_lt(limit).to_bitmask();
-        let mut seen = lit & !hit;
-        for lane in set_bits(lit) {
-            if let Some(target) = light.shapes[lane].target() {
-                let is_target = hit >> lane & 1 == 1
-                    && leaf.as_array()[lane] as u32 == target
-                    && ctx.scene.emits_towards(target as usize, -lane_of(light.direction, lane));
-                seen = seen & !(1 << lane) | u32::from(is_target) << lane;
+        let has_target = (0..8).map(|lane| u32::from(light.shapes[lane].target().is_some()) << lane).sum::<u32>();
+        let mut apart = lit & (has_target | self.absorbed(ctx));
+        let in_lanes = lit & !apart;
+        if in_lanes != 0 {
+            let limit = light.distance.fast_min(f32x8::splat(ctx.frame.far));
+            let limit = Real::select(mask_of(in_lanes), limit, f32x8::splat(-1.0));
+            let (t, leaf) = ctx.scene.field.analytic_hit_before(limit, origin, light.direction);
+            let hit = t.simd_lt(limit).to_bitmask() & in_lanes;
+            if ctx.config.fast_caustics {
+                let is_clear = |lane: &usize| {
+                    ctx.scene.material_of(leaf.as_array()[*lane] as usize).flags & CLEAR == CLEAR
+                };
+                apart |= set_bits(hit).filter(is_clear).map(|lane| 1 << lane).sum::<u32>();
             }
+            self.add(in_lanes & !hit, clamped_lanes(ctx, light.radiance * light.weight, surface_index));
         }
-        self.add(seen, clamped_lanes(ctx, light.radiance * light.weight, surface_index));
+        for lane in set_bits(apart) {
+            let (path, shape) = (self.path(lane), light.shapes[lane]);
+            tests.push(ShadowTest {
+                slot: lane,
+                radiance: lane_of(light.radiance, lane),
+                weight: light.weight.as_array()[lane],
+                ray: Ray { origin: lane_of(origin, lane), direction: lane_of(light.direction, lane) },
+                distance: light.distance.as_array()[lane],
+                target: shape.target(),
+                penumbra: 0.0,
+                path_length: path.length,
+                medium: path.medium,
+                sampler: path.sampler,
+            });
+        }
     }
 
     /// Parameters of the materials of these lanes.
@@ -394,21 +499,24 @@ struct MaterialsOfLanes {
     ending: u32,
     /// Samples no lights.
     delta: u32,
-    /// Diffuse; the others that scatter are metal.
     diffuse: u32,
+    metal: u32,
 }
 
 impl MaterialsOfLanes {
     #[inline(always)]
     fn new(ctx: &TraceContext, surfaces: &Surfaces8) -> Self {
-        let mut result = Self { emitting: 0, ending: 0, delta: 0, diffuse: 0 };
+        let mut result = Self { emitting: 0, ending: 0, delta: 0, diffuse: 0, metal: 0 };
         for lane in 0..8 {
-            let flags = ctx.scene.material_of(surfaces.leaf[lane]).flags;
+            let material = ctx.scene.leaves[surfaces.leaf[lane]].material as usize;
+            let flags = ctx.scene.materials[material].flags;
             let bit = |flag: u32| u32::from(flags & flag != 0) << lane;
             result.emitting |= bit(EMITS | GLOWS);
             result.ending |= bit(EMITS);
             result.delta |= bit(DELTA);
             result.diffuse |= bit(LAMBERTIAN);
+            let kind = ctx.scene.bsdfs[material].and_then(|bsdf| bsdf.in_lanes);
+            result.metal |= u32::from(kind == Some(KindInLanes::Metal)) << lane;
         }
         result
     }

@@ -30,7 +30,7 @@ use super::opaque_surfaces::{self, SurfaceOfPath, kind_in_lanes};
 use super::participating_media::medium_after;
 use super::packets;
 use super::path_reuse::PathReuse;
-use super::path_state::{Path, clamped, escaped_radiance};
+use super::path_state::{Path, clamped};
 use super::shadow::{self, ShadowTest};
 use super::splitting::camera_ray_index;
 use super::surface_samples::{SurfaceSample, SurfaceSamples};
@@ -268,6 +268,7 @@ fn scatter(
         let (path, samples) = (&mut paths[index], samples.of(index));
         let next_ray = match vertex {
             Vertex::Surface(interaction) => {
+                let radiance = &mut radiance[path.slot];
                 shade(ctx, path, interaction, &samples, surface_index, radiance, &mut shadow_tests)
             }
             Vertex::Medium => media_segment::scatter(ctx, path, surface_index, samples.scatter, samples.choice[1]),
@@ -314,7 +315,7 @@ fn intersect_paths(
             path.length += hit.t;
             path.ray.origin += path.ray.direction * hit.t;
         } else {
-            let contribution = path.throughput * escaped_radiance(ctx, path);
+            let contribution = path.throughput * path.escaped_radiance(ctx);
             // Light that a ray hits counts as direct light of the previous surface.
             radiance[path.slot] += clamped(ctx, contribution, surface_index.saturating_sub(1));
         }
@@ -387,13 +388,13 @@ fn add_emission(
 }
 
 /// Shades a surface interaction: samples a light and the next ray. `None` ends the path.
-fn shade(
+pub(super) fn shade(
     ctx: &TraceContext,
     path: &mut Path,
     interaction: &SurfaceInteraction,
     samples: &SurfaceSample,
     surface_index: u32,
-    radiance: &mut [Vec3],
+    radiance: &mut Vec3,
     shadow_tests: &mut Vec<ShadowTest>,
 ) -> Option<()> {
     let frame = ctx.frame;
@@ -464,7 +465,7 @@ fn shade(
             seed: path.sampler.unstratified_seed(surface_index),
         };
         let caustics = path.throughput * photons.reflected(&surface, reflect);
-        radiance[path.slot] += clamped(ctx, caustics, surface_index);
+        *radiance += clamped(ctx, caustics, surface_index);
     }
     let [u, v] = samples.scatter;
     let scattered = (bsdf.sample)(parameters, wo, inside, [u, v, lobe])?;

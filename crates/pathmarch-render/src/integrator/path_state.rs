@@ -64,6 +64,11 @@ impl Path {
         true
     }
 
+    /// Radiance of the sky and the suns for the path if it escapes, times its MIS weight.
+    pub(super) fn escaped_radiance(&self, ctx: &TraceContext) -> Vec3 {
+        escaped_radiance(ctx, self.lights_are_counted, self.ray.direction, self.scatter_pdf)
+    }
+
     /// Footprint of a surface at `p` for photons, see [`LitSurface::footprint`](crate::scene::photon_map::LitSurface).
     pub(super) fn footprint(&self, p: Vec3) -> f32 {
         match () {
@@ -102,25 +107,22 @@ pub(super) fn clamped_lanes(ctx: &TraceContext, contribution: FieldVec3<f32x8>, 
     contribution * (limit / contribution.largest().fast_max(limit))
 }
 
-/// Radiance of the sky and the suns for an escaping path, times its MIS weight.
-pub(super) fn escaped_radiance(ctx: &TraceContext, path: &Path) -> Vec3 {
-    let (sky, direction) = (&ctx.scene.sky, path.ray.direction);
-    if !path.lights_are_counted {
-        return sky_and_suns(ctx, direction, path.scatter_pdf);
+/// Radiance of the sky and the suns in the direction of an escaping ray with this pdf, times its MIS weight. `lights_are_counted`
+/// is that of its [`Path`].
+pub(super) fn escaped_radiance(
+    ctx: &TraceContext,
+    lights_are_counted: bool,
+    direction: Vec3,
+    scatter_pdf: f32,
+) -> Vec3 {
+    let (sky, direct_lighting) = (&ctx.scene.sky, ctx.config.direct_lighting);
+    if lights_are_counted && !ctx.config.traced_caustics {
+        // Shadow rays have already contributed suns and a sampled sky.
+        return match sky.radiance(direction) {
+            (radiance, None) => radiance,
+            _ => Vec3::ZERO,
+        };
     }
-    if ctx.config.traced_caustics {
-        return light_sampling::sky_radiance(sky, ctx.config.direct_lighting, direction, path.scatter_pdf);
-    }
-    // Shadow rays have already contributed suns and a sampled sky.
-    match sky.radiance(direction) {
-        (radiance, None) => radiance,
-        _ => Vec3::ZERO,
-    }
-}
-
-/// Radiance of the sky and the suns in the direction of a ray with this pdf, times its MIS weight.
-#[inline]
-pub(super) fn sky_and_suns(ctx: &TraceContext, direction: Vec3, scatter_pdf: f32) -> Vec3 {
-    light_sampling::sky_radiance(&ctx.scene.sky, ctx.config.direct_lighting, direction, scatter_pdf)
-        + light_sampling::sun_radiance(ctx, direction, scatter_pdf)
+    let radiance = light_sampling::sky_radiance(sky, direct_lighting, direction, scatter_pdf);
+    if lights_are_counted { radiance } else { radiance + light_sampling::sun_radiance(ctx, direction, scatter_pdf) }
 }
