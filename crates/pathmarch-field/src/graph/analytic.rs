@@ -8,7 +8,7 @@
 //! Cost: for N shapes, N intersections and 4N² pairs of comparisons; no sphere tracing.
 
 use super::Batch;
-use super::{Field, Tree};
+use super::{Field, Tree, bvh};
 use crate::number::{Real, Vec3};
 use crate::operators::Boolean;
 use crate::ray_interval::RayInterval;
@@ -84,6 +84,10 @@ impl Field {
             let t = self.leaves[index as usize].ray(origin, direction);
             let is_hit = t.lt(first.0);
             return (t.min(first.0), N::select(is_hit, N::constant(index as f32), first.1));
+        }
+        let bounds = self.object_bounds[object as usize];
+        if bounds.is_finite() && !bvh::enters(bounds, origin, bvh::inverse(direction), first.0) {
+            return first;
         }
         let object = &self.objects[object as usize];
         let mut intervals = Intervals { first: u32::MAX, ends: [[N::zero(); 2]; MAX_SHAPES], count: 0 };

@@ -67,22 +67,10 @@ impl Bvh {
             return before;
         }
         let (mut nearest, mut hit_leaf) = before;
-        let inverse = [direction.x, direction.y, direction.z].map(|d| {
-            let tiny = N::constant(1e-12);
-            N::one() / N::select(d.abs().lt(tiny), tiny, d)
-        });
+        let inverse = inverse(direction);
         let mut index = 0;
         while let Some(node) = self.nodes.get(index) {
-            let mut enters = N::zero();
-            let mut leaves = nearest;
-            for (axis, o) in [origin.x, origin.y, origin.z].into_iter().enumerate() {
-                let a = (N::constant(node.bounds.min[axis]) - o) * inverse[axis];
-                let b = (N::constant(node.bounds.max[axis]) - o) * inverse[axis];
-                enters = enters.max(a.min(b));
-                leaves = leaves.min(a.max(b));
-            }
-            // The margin keeps flat boxes.
-            if !N::any(enters.lt(leaves + leaves.abs() * N::constant(1e-6) + N::constant(1e-30))) {
+            if !enters(node.bounds, origin, inverse, nearest) {
                 index = node.skip as usize;
                 continue;
             }
@@ -126,4 +114,28 @@ impl Bvh {
         }
         nearest
     }
+}
+
+/// One over each component of a direction; finite.
+#[inline(always)]
+pub(super) fn inverse<N: Batch>(direction: Vec3<N>) -> [N; 3] {
+    [direction.x, direction.y, direction.z].map(|d| {
+        let tiny = N::constant(1e-12);
+        N::one() / N::select(d.abs().lt(tiny), tiny, d)
+    })
+}
+
+/// Reports whether any ray enters a box before its nearest hit. `inverse` is that of the direction.
+#[inline(always)]
+pub(super) fn enters<N: Batch>(bounds: Aabb, origin: Vec3<N>, inverse: [N; 3], nearest: N) -> bool {
+    let mut enters = N::zero();
+    let mut leaves = nearest;
+    for (axis, o) in [origin.x, origin.y, origin.z].into_iter().enumerate() {
+        let a = (N::constant(bounds.min[axis]) - o) * inverse[axis];
+        let b = (N::constant(bounds.max[axis]) - o) * inverse[axis];
+        enters = enters.max(a.min(b));
+        leaves = leaves.min(a.max(b));
+    }
+    // The margin keeps flat boxes.
+    N::any(enters.lt(leaves + leaves.abs() * N::constant(1e-6) + N::constant(1e-30)))
 }

@@ -157,15 +157,27 @@ pub(super) fn shade_lanes<'a, B: BsdfInLanes>(
     let scattered = B::sample(parameters, wo, inputs.scatter);
     let direction = basis.to_world(scattered.wi);
     let direction = direction / direction.length();
-    let mut goes_on = Mask8(scattered.wi.z.simd_gt(f32x8::ZERO)) & !crosses_surface(direction);
-    let mut throughput = throughput.times(scattered.weight);
-    if surface_index > ROULETTE_DEPTH {
-        let survival_probability = f32x8::splat(SURVIVAL_FACTOR) * throughput.largest() * inputs.index_square;
-        let survival_probability = survival_probability.fast_min(f32x8::ONE);
-        goes_on = goes_on & Mask8(choice[1].simd_lt(survival_probability));
-        throughput = throughput / survival_probability;
+    let goes_on = Mask8(scattered.wi.z.simd_gt(f32x8::ZERO)) & !crosses_surface(direction);
+    let throughput = throughput.times(scattered.weight);
+    let (throughput, survive) = roulette(throughput, inputs.index_square, choice[1], surface_index);
+    ScatteredPaths { direction, throughput, pdf: scattered.pdf, goes_on: goes_on.0.to_bitmask() & survive }
+}
+
+/// Russian roulette with a random number for each path, as [`Path::survives`]: the throughputs of those that survive, and a bit for
+/// each.
+#[inline(always)]
+pub(super) fn roulette(
+    throughput: FieldVec3<f32x8>,
+    index_square: f32x8,
+    random: f32x8,
+    surface_index: u32,
+) -> (FieldVec3<f32x8>, u32) {
+    if surface_index <= ROULETTE_DEPTH {
+        return (throughput, 0xff);
     }
-    ScatteredPaths { direction, throughput, pdf: scattered.pdf, goes_on: goes_on.0.to_bitmask() }
+    let survival_probability = f32x8::splat(SURVIVAL_FACTOR) * throughput.largest() * index_square;
+    let survival_probability = survival_probability.fast_min(f32x8::ONE);
+    (throughput / survival_probability, random.simd_lt(survival_probability).to_bitmask())
 }
 
 /// What [`shade_lanes`] reads of eight surfaces, their paths and random numbers.

@@ -9,7 +9,8 @@
 //! The estimator is that of [`path`](super::path), which serves all other scenes: radiances are equal but for rounding.
 
 use super::camera::{camera_rays_in_lanes, pixel_sampler};
-use super::opaque_surfaces::{LightOfPaths, ScatteredPaths, ShadingInputs, shade_lanes};
+use super::opaque_surfaces::{LightOfPaths, ScatteredPaths, ShadingInputs, roulette, shade_lanes};
+use super::participating_media::medium_after;
 use super::medium::transmittance;
 use super::path::{emission_towards, shade};
 use super::path_reuse::PathReuse;
@@ -18,14 +19,15 @@ use super::shadow::{ShadowTest, direct_light};
 use super::splitting::camera_ray_index;
 use super::surface_samples::SurfaceSample;
 use crate::intersect::ray::{Ray, Rays8, lane_of, mask_of, pack, set_bits, transposed, unpack};
+use crate::sampling::basis::Basis8;
 use crate::sampling::sobol::{PixelSampler8, pair};
 use crate::scene::material::{CLEAR, DELTA, EMITS, GLOWS, LAMBERTIAN};
 use crate::scene::{KernelConfig, Medium, RenderScene, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, Surfaces8};
 use crate::shading::textured_point::TexturedPoint;
 use glam::Vec3;
-use pathmarch_field::number::{Real, Vec3 as FieldVec3};
-use pathmarch_scene::materials::{BsdfInLanes, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes};
+use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
+use pathmarch_scene::materials::{BsdfInLanes, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes, SmoothSampleInLanes};
 use wide::f32x8;
 
 /// Reports whether [`trace`] serves a scene, at least without photons: all of it is intersected in closed form, and without
@@ -330,7 +332,8 @@ impl Packet {
             scatter: random(&samplers, pair::PAIR_SCATTER),
         };
         let (diffuse, metal) = (self.alive & materials.diffuse, self.alive & materials.metal);
-        let others = self.alive & !diffuse & !metal;
+        let smooth = self.alive & materials.smooth;
+        let others = self.alive & !diffuse & !metal & !smooth;
         let samples_lights = (diffuse | metal) & !materials.delta;
         self.alive = 0;
         let mut tests = Vec::new();
@@ -342,16 +345,19 @@ impl Packet {
             let samples = (light_samples, samples_lights & metal);
             self.scatter_kind::<MetalInLanes>(ctx, surfaces, &inputs, metal, samples, surface_index, &mut tests);
         }
+        let lobe = match ctx.config.chooses_lobes && (smooth | others) != 0 {
+            true => random(&samplers, pair::PAIR_LOBE),
+            false => [f32x8::ZERO; 2],
+        };
+        if smooth != 0 {
+            self.scatter_smooth(ctx, surfaces, &inputs, smooth, lobe[0], surface_index);
+        }
         if others != 0 {
-            let lobe = match ctx.config.chooses_lobes {
-                true => random(&samplers, pair::PAIR_LOBE),
-                false => [f32x8::ZERO; 2],
-            };
             self.scatter_each(ctx, surfaces, &inputs, others, lobe, (light_samples, surface_index), &mut tests);
         }
         let is_in_lanes = mask_of(diffuse | metal);
         self.origin = FieldVec3::select(is_in_lanes, inputs.origin, self.origin);
-        self.lights_are_counted &= others;
+        self.lights_are_counted &= smooth | others;
         self.has_previous_normal |= samples_lights;
         let samples_lights = mask_of(samples_lights);
         self.previous_vertex = FieldVec3::select(samples_lights, inputs.origin, self.previous_vertex);
@@ -375,7 +381,7 @@ impl Packet {
         surface_index: u32,
         tests: &mut Vec<ShadowTest>,
     ) {
-        let parameters = self.parameters::<B>(ctx, surfaces, bits);
+        let parameters = self.parameters(ctx, surfaces, bits, B::PARAMETERS);
         let light_samples = (if samples_lights == 0 { 0 } else { light_samples }, samples_lights);
         let ScatteredPaths { direction, throughput, pdf, goes_on } =
             shade_lanes::<B>(ctx, inputs, &parameters, light_samples, surface_index, |light| {
@@ -386,6 +392,50 @@ impl Packet {
         self.throughput = FieldVec3::select(lanes, throughput, self.throughput);
         self.scatter_pdf = Real::select(lanes, pdf, self.scatter_pdf);
         self.alive |= goes_on & bits;
+    }
+
+    /// [`scatter`](Self::scatter) for lanes with perfectly smooth glass, for which no light is sampled.
+    #[inline(always)]
+    fn scatter_smooth(
+        &mut self,
+        ctx: &TraceContext,
+        surfaces: &Surfaces8,
+        inputs: &ShadingInputs,
+        bits: u32,
+        choice: f32x8,
+        surface_index: u32,
+    ) {
+        let first = surfaces.leaf[bits.trailing_zeros() as usize];
+        let bsdf = ctx.scene.bsdfs[ctx.scene.leaves[first].material as usize];
+        let Some(smooth) = bsdf.and_then(|bsdf| bsdf.smooth_in_lanes) else { return };
+        let basis = Basis8::new(inputs.shading_normal);
+        let wo = basis.local_viewer(inputs.to_viewer);
+        let parameters = self.parameters(ctx, surfaces, bits, 0);
+        let SmoothSampleInLanes { wi, weight, eta } = (smooth.sample)(&parameters, wo, mask_of(surfaces.inside), choice);
+        let direction = basis.to_world(wi).normalized();
+        let transmitted = Mask8(wi.z.simd_lt(f32x8::ZERO));
+        let throughput = self.throughput.times(weight);
+        let index_square = self.index_square * (eta * eta);
+        let (throughput, survive) = roulette(throughput, index_square, inputs.choice[1], surface_index);
+        let origin = FieldVec3::select(transmitted, surfaces.p - surfaces.normal_offset, inputs.origin);
+        let transmitted = transmitted.0.to_bitmask() & bits;
+        if ctx.config.fast_caustics {
+            let has_sampled_lights = self.lights_are_counted | self.scatter_pdf.simd_gt(f32x8::ZERO).to_bitmask();
+            self.lights_are_counted = self.lights_are_counted & !bits | has_sampled_lights & transmitted;
+        }
+        if ctx.config.absorption {
+            for lane in set_bits(transmitted) {
+                let is_inside = surfaces.inside >> lane & 1 == 1;
+                self.media[lane] = medium_after(ctx, &self.media[lane], surfaces.leaf[lane], is_inside);
+            }
+        }
+        let lanes = mask_of(bits);
+        self.origin = FieldVec3::select(lanes, origin, self.origin);
+        self.direction = FieldVec3::select(lanes, direction, self.direction);
+        self.throughput = FieldVec3::select(lanes, throughput, self.throughput);
+        self.index_square = Real::select(lanes, index_square, self.index_square);
+        self.scatter_pdf = Real::select(lanes, f32x8::ZERO, self.scatter_pdf);
+        self.alive |= survive & bits;
     }
 
     /// [`scatter`](Self::scatter) for lanes with materials that are shaded one by one.
@@ -463,9 +513,9 @@ impl Packet {
         }
     }
 
-    /// Parameters of the materials of these lanes.
+    /// Parameters of the materials of these lanes, of which textures may replace the first `count`.
     #[inline(always)]
-    fn parameters<B: BsdfInLanes>(&self, ctx: &TraceContext, surfaces: &Surfaces8, bits: u32) -> ParametersInLanes {
+    fn parameters(&self, ctx: &TraceContext, surfaces: &Surfaces8, bits: u32, count: usize) -> ParametersInLanes {
         let any = bits.trailing_zeros() as usize & 7;
         let material = |lane: usize| {
             let lane = if bits >> lane & 1 == 1 { lane } else { any };
@@ -476,12 +526,12 @@ impl Packet {
             row.copy_from_slice(&material(lane).parameters[..8]);
         }
         let mut parameters = transposed(rows);
-        if ctx.config.textures {
+        if ctx.config.textures && count > 0 {
             for lane in set_bits(bits) {
                 let interaction = self.interaction(surfaces, lane);
                 if let Some(textured) = TexturedPoint::new(ctx, &interaction, interaction.length) {
                     let own = textured.parameters(&material(lane).parameters);
-                    for (parameter, value) in parameters.iter_mut().zip(&own[..B::PARAMETERS]) {
+                    for (parameter, value) in parameters.iter_mut().zip(&own[..count]) {
                         parameter.as_mut_array()[lane] = *value;
                     }
                 }
@@ -501,12 +551,14 @@ struct MaterialsOfLanes {
     delta: u32,
     diffuse: u32,
     metal: u32,
+    /// Perfectly smooth glass without textures.
+    smooth: u32,
 }
 
 impl MaterialsOfLanes {
     #[inline(always)]
     fn new(ctx: &TraceContext, surfaces: &Surfaces8) -> Self {
-        let mut result = Self { emitting: 0, ending: 0, delta: 0, diffuse: 0, metal: 0 };
+        let mut result = Self { emitting: 0, ending: 0, delta: 0, diffuse: 0, metal: 0, smooth: 0 };
         for lane in 0..8 {
             let material = ctx.scene.leaves[surfaces.leaf[lane]].material as usize;
             let flags = ctx.scene.materials[material].flags;
@@ -517,7 +569,15 @@ impl MaterialsOfLanes {
             result.diffuse |= bit(LAMBERTIAN);
             let kind = ctx.scene.bsdfs[material].and_then(|bsdf| bsdf.in_lanes);
             result.metal |= u32::from(kind == Some(KindInLanes::Metal)) << lane;
+            result.smooth |= u32::from(flags & CLEAR == CLEAR && is_smooth_in_lanes(ctx, material)) << lane;
         }
         result
     }
+}
+
+/// Reports whether a clear material is sampled in lanes.
+fn is_smooth_in_lanes(ctx: &TraceContext, material: usize) -> bool {
+    let smooth = ctx.scene.bsdfs[material].and_then(|bsdf| bsdf.smooth_in_lanes);
+    let is_plain = !ctx.config.textures || ctx.scene.textured_materials[material].is_plain();
+    is_plain && smooth.is_some_and(|smooth| (smooth.is_smooth)(&ctx.scene.materials[material].parameters))
 }

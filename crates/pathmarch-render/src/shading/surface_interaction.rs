@@ -51,7 +51,7 @@ pub(crate) struct Surfaces8 {
     /// Unit geometric normals on the side of the rays' origins.
     pub(crate) normal: FieldVec3<f32x8>,
     /// Lanes where that side is the inside of the solid, a bit for each.
-    inside: u32,
+    pub(crate) inside: u32,
     /// Offsets from `p` to the origins of rays that leave on this side, metres.
     pub(crate) normal_offset: FieldVec3<f32x8>,
     /// Lengths of the rays, metres.

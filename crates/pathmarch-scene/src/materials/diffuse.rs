@@ -52,6 +52,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         sample,
         facets: None,
         in_lanes: Some(KindInLanes::Diffuse),
+        smooth_in_lanes: None,
         wgsl: include_str!("diffuse.wgsl"),
     }),
 };

@@ -23,12 +23,15 @@ use super::microfacet::{
     sheet_reflection, unhidden, unshadowed, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Dielectric, Eval, Facets, MaterialKind, PreviewMaterial, Scattered, Texturing, abbe,
+    Bsdf, BsdfParameters, Dielectric, Eval, Facets, MaterialKind, ParametersInLanes, PreviewMaterial, Scattered,
+    SmoothInLanes, SmoothSampleInLanes, Texturing, abbe,
     absorption, anisotropy, black, colour, colour_of, glow, ior, multiscatter, priority, roughness, scattering, thin,
 };
 use crate::medium::Medium;
 use glam::Vec3;
 use pathmarch_field::Range;
+use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
+use wide::f32x8;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
     name: "glass",
@@ -137,6 +140,10 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             are_coloured: |_| false,
         }),
         in_lanes: None,
+        smooth_in_lanes: Some(&SmoothInLanes {
+            is_smooth: |parameters| parameters[3] < MIRROR_ALPHA && parameters[THIN] == 0.0,
+            sample: sample_smooth,
+        }),
         wgsl: include_str!("glass.wgsl"),
     }),
 };
@@ -183,7 +190,7 @@ fn integrated_albedo(cosine: f32, alpha: f32, eta: f32) -> f32 {
         let at = |k: usize| (k as f32 + 0.5) / SAMPLES as f32;
         let h: Vec3 = visible_normal(wo, alpha, [at(k % SAMPLES), at(k / SAMPLES)]).into();
         let reflected = fresnel(wo.dot(h), eta);
-        let (above, below): (Vec3, Vec3) = (reflect(wo, h).into(), refract(wo, h, eta));
+        let (above, below): (Vec3, Vec3) = (reflect(wo, h).into(), refract(wo, h, eta).into());
         let reflection = if above.z > 0.0 { reflected * unshadowed(wo, above, alpha) } else { 0.0 };
         let refraction = if below.z < 0.0 { (1.0 - reflected) * unhidden(below, alpha) } else { 0.0 };
         reflection + refraction
@@ -252,7 +259,7 @@ fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [
         let weight = unshadowed(wo, wi, alpha) * compensation(parameters, wo, inside);
         return Some(Scattered { wi, weight: Vec3::splat(weight), pdf: reflected * pdf, eta: 1.0 });
     }
-    let wi = refract(wo, h, eta);
+    let wi: Vec3 = refract(wo, h, eta).into();
     if wi.z >= 0.0 {
         return None;
     }
@@ -263,4 +270,24 @@ fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [
     let pdf = (1.0 - reflected) * refraction_pdf(wo, wi, h, alpha, eta);
     let weight = weight * (unhidden(wi, alpha) * compensation(parameters, wo, inside));
     Some(Scattered { wi, weight, pdf, eta })
+}
+
+/// [`sample`] of perfectly smooth glass that is not thin, for eight paths.
+fn sample_smooth(
+    parameters: &ParametersInLanes,
+    wo: FieldVec3<f32x8>,
+    inside: Mask8,
+    choice: f32x8,
+) -> SmoothSampleInLanes {
+    let (zero, one) = (f32x8::ZERO, f32x8::ONE);
+    let index = parameters[IOR];
+    let eta = Real::select(inside, one / index, index);
+    let h = FieldVec3::new(zero, zero, one);
+    let is_reflected = Mask8(choice.simd_lt(fresnel(wo.dot(h), eta)));
+    let colour = FieldVec3::new(parameters[0], parameters[1], parameters[2]);
+    SmoothSampleInLanes {
+        wi: FieldVec3::select(is_reflected, reflect(wo, h), refract(wo, h, eta)),
+        weight: FieldVec3::select(is_reflected, FieldVec3::splat(one), colour / (eta * eta)),
+        eta: Real::select(is_reflected, one, eta),
+    }
 }

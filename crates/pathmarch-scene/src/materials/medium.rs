@@ -39,6 +39,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         sample: |_, wo, _, _| Some(Scattered { wi: -wo, weight: Vec3::ONE, pdf: 0.0, eta: 1.0 }),
         facets: None,
         in_lanes: None,
+        smooth_in_lanes: None,
         wgsl: include_str!("medium.wgsl"),
     }),
 };

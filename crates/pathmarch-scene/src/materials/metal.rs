@@ -74,6 +74,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             are_coloured: |_| true,
         }),
         in_lanes: Some(KindInLanes::Metal),
+        smooth_in_lanes: None,
         wgsl: include_str!("metal.wgsl"),
     }),
 };

@@ -100,8 +100,8 @@ pub(super) fn fifth_power<N: Real>(x: N) -> N {
 }
 
 /// Cosine beyond an interface of relative index `eta`; 0 where all is reflected.
-pub(super) fn refracted_cosine(cosine: f32, eta: f32) -> f32 {
-    (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt()
+pub(super) fn refracted_cosine<N: Real>(cosine: N, eta: N) -> N {
+    (N::one() - (N::one() - cosine * cosine) / (eta * eta)).max(N::zero()).sqrt()
 }
 
 /// Fraction that a sheet reflects whose faces reflect `face` each.
@@ -111,14 +111,13 @@ pub(super) fn sheet_reflection(face: f32) -> f32 {
 
 /// Fresnel's law for unpolarised light: the reflected share at this cosine (0 to 1) of an interface whose refractive index
 /// beyond is `eta` times that before it.
-pub fn fresnel(cosine: f32, eta: f32) -> f32 {
+#[inline]
+pub fn fresnel<N: Real>(cosine: N, eta: N) -> N {
     let beyond = refracted_cosine(cosine, eta);
-    if beyond <= 0.0 {
-        return 1.0;
-    }
     let parallel = (eta * cosine - beyond) / (eta * cosine + beyond);
     let perpendicular = (cosine - eta * beyond) / (cosine + eta * beyond);
-    0.5 * (parallel * parallel + perpendicular * perpendicular)
+    let reflected = N::constant(0.5) * (parallel * parallel + perpendicular * perpendicular);
+    N::select(N::zero().lt(beyond), reflected, N::one())
 }
 
 /// The share that an interface of this relative index reflects of light that falls in at right angles.
@@ -134,7 +133,9 @@ pub(super) fn reflect<N: Real>(wo: impl Into<FieldVec3<N>>, h: impl Into<FieldVe
 }
 
 /// `wo` refracted by `h` into a medium of relative index `eta`.
-pub(super) fn refract(wo: Vec3, h: Vec3, eta: f32) -> Vec3 {
+#[inline(always)]
+pub(super) fn refract<N: Real>(wo: impl Into<FieldVec3<N>>, h: impl Into<FieldVec3<N>>, eta: N) -> FieldVec3<N> {
+    let (wo, h) = (wo.into(), h.into());
     let cosine = wo.dot(h);
     h * (cosine / eta - refracted_cosine(cosine, eta)) - wo / eta
 }

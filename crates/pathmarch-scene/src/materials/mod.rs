@@ -18,7 +18,7 @@ pub use glass::straight_transmittance;
 pub use metal::MetalInLanes;
 pub use microfacet::fresnel;
 pub use orbit_trap::{OrbitTrap, Trap};
-use pathmarch_field::number::Vec3 as FieldVec3;
+use pathmarch_field::number::{Mask8, Vec3 as FieldVec3};
 use pathmarch_field::{Param, Range};
 use wide::f32x8;
 
@@ -212,6 +212,8 @@ pub struct Bsdf {
     pub facets: Option<&'static Facets>,
     /// The same for eight paths at once, of an opaque surface that uses no third random number; `None` if there are none.
     pub in_lanes: Option<KindInLanes>,
+    /// Sampling for eight paths at once where the surface is perfectly smooth and transmits.
+    pub smooth_in_lanes: Option<&'static SmoothInLanes>,
     /// The same in WGSL: `NAME_eval(m, wo, wi, inside) -> vec4f` (value, density) and
     /// `NAME_sample(m, wo, inside, random) -> Scattered`, where `m` is the index of the material.
     pub wgsl: &'static str,
@@ -296,6 +298,24 @@ pub trait BsdfInLanes {
     fn eval(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes;
     /// A random direction of each, of two uniform numbers in 0..1.
     fn sample(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, random: [f32x8; 2]) -> ScatteredInLanes;
+}
+
+/// Sampling of a perfectly smooth interface for eight paths at once, as [`Bsdf::sample`] for one.
+pub struct SmoothInLanes {
+    /// True if it serves a surface with these parameters.
+    pub is_smooth: fn(&BsdfParameters) -> bool,
+    /// A random direction of each, for `wo` from the inside of the solid or not, of the random number that chooses the lobe.
+    pub sample: fn(&ParametersInLanes, FieldVec3<f32x8>, Mask8, f32x8) -> SmoothSampleInLanes,
+}
+
+/// [`Scattered`] of eight smooth interfaces, whose densities are those of single directions.
+pub struct SmoothSampleInLanes {
+    /// The direction.
+    pub wi: FieldVec3<f32x8>,
+    /// Weight of the light from there.
+    pub weight: FieldVec3<f32x8>,
+    /// As in [`Scattered`].
+    pub eta: f32x8,
 }
 
 /// [`Eval`] of eight surfaces.

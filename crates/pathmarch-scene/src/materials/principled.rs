@@ -99,6 +99,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             are_coloured: |parameters| parameters[METALLIC] > 0.5,
         }),
         in_lanes: None,
+        smooth_in_lanes: None,
         wgsl: include_str!("principled.wgsl"),
     }),
 };
@@ -312,7 +313,7 @@ fn layers(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Laye
 fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -> Option<Scattered> {
     let view = view(parameters, wo, inside);
     let mut eta = 1.0;
-    let wi = if choice < view.coat_chance {
+    let wi: Vec3 = if choice < view.coat_chance {
         reflect(wo, visible_normal(wo, view.coat_alpha, [u, v])).into()
     } else if choice < view.coat_chance + view.interface_chance {
         let h: Vec3 = visible_normal(wo, view.alpha, [u, v]).into();
@@ -321,7 +322,7 @@ fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [
             reflect(wo, h).into()
         } else {
             eta = if inside { 1.0 / parameters[IOR] } else { parameters[IOR] };
-            refract(wo, h, eta)
+            refract(wo, h, eta).into()
         }
     } else {
         cosine_direction([u, v]).into()
