@@ -3,7 +3,9 @@
 //!
 //! Spheres, rectangles and points are sampled side by side, lights of other kinds one by one.
 
-use super::light_sampling::{ChosenLight, SHADOW_RAY_SHARE, choose_light_outside_tree, power_heuristic, sample_direction};
+use super::light_sampling::{
+    ChosenLight, SHADOW_RAY_SHARE, choose_light_outside_tree, power_heuristic, sample_direction,
+};
 use crate::intersect::ray::{mask_of, pack, set_bits, transposed, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::TraceContext;
@@ -214,9 +216,8 @@ fn normalize_or_up(offset: FieldVec3<f32x8>, square: f32x8) -> FieldVec3<f32x8> 
 /// Samples rectangles by area, like [`sample_spheres`].
 fn sample_rects(sheets: [&SheetLight; 8], p: FieldVec3<f32x8>, position: [f32x8; 2]) -> LightSamples {
     let [u, v] = position.map(|value| value + value - f32x8::ONE);
-    let row = |&SheetLight { centre, axes: [x, z], .. }: &SheetLight| {
-        [centre.x, centre.y, centre.z, x.x, x.y, x.z, z.x, z.y]
-    };
+    let row =
+        |&SheetLight { centre, axes: [x, z], .. }: &SheetLight| [centre.x, centre.y, centre.z, x.x, x.y, x.z, z.x, z.y];
     let [cx, cy, cz, xx, xy, xz, zx, zy] = transposed(sheets.map(row));
     let row = |&SheetLight { axes: [_, z], normal: n, area, radiance, .. }: &SheetLight| {
         [z.z, n.x, n.y, n.z, area, radiance.x, radiance.y, radiance.z]

@@ -4,21 +4,21 @@
 //! differ: sphere-traced rays end at different steps, and materials are shaded in different ways. All that a path carries then
 //! goes through memory between the parts. Where every ray is intersected in closed form and every surface is shaded in lanes,
 //! eight paths can instead do all of it together: their random numbers, rays, surfaces and lights stay in registers. A path
-//! that has ended leaves its lane empty.
+//! that has ended leaves its lane to one of another packet: before each surface, the packets of a tile become as few as possible.
 //!
 //! The estimator is that of [`path`](super::path), which serves all other scenes: radiances are equal but for rounding.
 
 use super::camera::{camera_rays_in_lanes, pixel_sampler};
+use super::medium::transmittance;
 use super::opaque_surfaces::{LightOfPaths, ScatteredPaths, ShadingInputs, roulette, shade_lanes};
 use super::participating_media::medium_after;
-use super::medium::transmittance;
 use super::path::{emission_towards, shade};
 use super::path_reuse::PathReuse;
 use super::path_state::{Path, ROULETTE_DEPTH, clamped, clamped_lanes, escaped_radiance};
 use super::shadow::{ShadowTest, direct_light};
 use super::splitting::camera_ray_index;
 use super::surface_samples::SurfaceSample;
-use crate::intersect::ray::{Ray, Rays8, lane_of, mask_of, pack, set_bits, transposed, unpack};
+use crate::intersect::ray::{Ray, Rays8, lane_of, mask_of, pack, set_bits, set_lane, transposed, unpack};
 use crate::sampling::basis::Basis8;
 use crate::sampling::sobol::{PixelSampler8, pair};
 use crate::scene::material::{CLEAR, DELTA, EMITS, GLOWS, LAMBERTIAN};
@@ -27,7 +27,9 @@ use crate::shading::surface_interaction::{SurfaceInteraction, Surfaces8};
 use crate::shading::textured_point::TexturedPoint;
 use glam::Vec3;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
-use pathmarch_scene::materials::{BsdfInLanes, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes, SmoothSampleInLanes};
+use pathmarch_scene::materials::{
+    BsdfInLanes, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes, SmoothSampleInLanes,
+};
 use wide::f32x8;
 
 /// Reports whether [`trace`] serves a scene, at least without photons: all of it is intersected in closed form, and without
@@ -47,20 +49,32 @@ pub(super) fn trace(
 ) -> Vec<Vec3> {
     let mut radiance = vec![Vec3::ZERO; pixels.len() * samples as usize];
     let ray_index = camera_ray_index(first, ctx.config.splitting);
-    for (chunk_index, chunk) in pixels.chunks(8).enumerate() {
-        let mut camera_packet = Packet::at_camera(ctx, chunk, ray_index);
-        let surfaces = camera_packet.intersect(ctx, 0);
-        for k in 0..samples {
-            let slot = |lane: usize| (8 * chunk_index + lane) * samples as usize + k as usize;
-            let mut packet = camera_packet;
-            packet.first_slot = slot(0);
-            packet.slot_step = samples as usize;
-            if ctx.config.splitting > 1 {
-                packet.samplers = packet.samplers.with_sample(first + k);
-            }
-            packet.follow(ctx, surfaces, 0, reuse.as_mut());
-            for (lane, value) in unpack(packet.radiance).into_iter().enumerate().take(chunk.len()) {
-                radiance[slot(lane)] = value;
+    let start = |(k, chunk): (usize, &[(u32, u32)])| Packet::at_camera(ctx, chunk, 8 * k, ray_index);
+    let mut at_camera: Vec<Packet> = pixels.chunks(8).enumerate().map(start).collect();
+    let surfaces: Vec<Surfaces8> = at_camera.iter_mut().map(|packet| packet.intersect(ctx, 0)).collect();
+    for k in 0..samples {
+        for part in 0..ctx.config.indirect_samples {
+            let leave = |(packet, surfaces): (&Packet, &Surfaces8)| {
+                let mut packet = *packet;
+                for slot in &mut packet.slots {
+                    *slot = *slot * samples + k;
+                }
+                if ctx.config.splitting > 1 {
+                    packet.samplers = packet.samplers.with_sample(first + k);
+                }
+                packet.leave_first_surface(ctx, surfaces, part, reuse.as_mut());
+                packet
+            };
+            let mut packets: Vec<Packet> = at_camera.iter().zip(&surfaces).map(leave).collect();
+            for surface_index in 1.. {
+                compact(&mut packets, &mut radiance);
+                if packets.is_empty() {
+                    break;
+                }
+                for packet in &mut packets {
+                    let surfaces = packet.intersect(ctx, surface_index);
+                    packet.pass_surface(ctx, &surfaces, surface_index, 0, reuse.as_mut());
+                }
             }
         }
     }
@@ -70,14 +84,41 @@ pub(super) fn trace(
     radiance
 }
 
+/// Adds the radiances of paths that have ended to those of their slots, and fills the lanes with paths of other packets.
+fn compact(packets: &mut Vec<Packet>, radiance: &mut [Vec3]) {
+    packets.retain_mut(|packet| {
+        for lane in set_bits(packet.taken & !packet.alive) {
+            radiance[packet.slots[lane] as usize] += lane_of(packet.radiance, lane);
+        }
+        packet.taken = packet.alive;
+        packet.alive != 0
+    });
+    let mut first = 0;
+    while first + 1 < packets.len() {
+        let end = packets.len() - 1;
+        let (before, last) = packets.split_at_mut(end);
+        let (packet, last) = (&mut before[first], &mut last[0]);
+        match set_bits(!packet.alive & 0xff).next() {
+            None => first += 1,
+            Some(lane) => {
+                packet.take_path(lane, last);
+                if last.alive == 0 {
+                    packets.pop();
+                }
+            }
+        }
+    }
+}
+
 /// Eight paths; see [`Path`] for what they carry.
 #[derive(Clone, Copy)]
 struct Packet {
-    /// Index of the first path among those of the pixels, and the step to that of the next lane.
-    first_slot: usize,
-    slot_step: usize,
+    /// Indices of the paths among those of the pixels.
+    slots: [u32; 8],
     samplers: PixelSampler8,
-    /// Paths that have not ended, a bit for each.
+    /// Lanes with a path whose radiance is not yet in its slot, a bit for each.
+    taken: u32,
+    /// Those of paths that have not ended.
     alive: u32,
     /// Origins of the rays; behind [`intersect`](Self::intersect) the points that they hit.
     origin: FieldVec3<f32x8>,
@@ -99,8 +140,8 @@ struct Packet {
 }
 
 impl Packet {
-    /// Paths that start at the camera, one for each of these pixels.
-    fn at_camera(ctx: &TraceContext, pixels: &[(u32, u32)], sample: u32) -> Self {
+    /// Paths that start at the camera, one for each of these pixels, whose indices start at `first`.
+    fn at_camera(ctx: &TraceContext, pixels: &[(u32, u32)], first: usize, sample: u32) -> Self {
         let samplers = std::array::from_fn(|lane| {
             let (x, y) = pixels[lane.min(pixels.len() - 1)];
             pixel_sampler(ctx, x, y, sample)
@@ -109,9 +150,9 @@ impl Packet {
         let Rays8 { origin, direction, .. } = camera_rays_in_lanes(ctx.frame, pixels, &samplers);
         let zero = FieldVec3::splat(f32x8::ZERO);
         Self {
-            first_slot: 0,
-            slot_step: 1,
+            slots: std::array::from_fn(|lane| (first + lane) as u32),
             samplers,
+            taken: (1 << pixels.len()) - 1,
             alive: (1 << pixels.len()) - 1,
             origin,
             direction,
@@ -132,7 +173,7 @@ impl Packet {
     fn path(&self, lane: usize) -> Path {
         let has_normal = self.has_previous_normal >> lane & 1 == 1;
         Path {
-            slot: self.first_slot + lane * self.slot_step,
+            slot: self.slots[lane] as usize,
             sampler: self.samplers.lane(lane),
             ray: Ray { origin: lane_of(self.origin, lane), direction: lane_of(self.direction, lane) },
             previous_vertex: lane_of(self.previous_vertex, lane),
@@ -150,22 +191,32 @@ impl Packet {
 
     /// Puts a path that has left its surface back into its lane.
     fn put(&mut self, lane: usize, path: &Path) {
-        let set = |v: &mut FieldVec3<f32x8>, value: Vec3| {
-            v.x.as_mut_array()[lane] = value.x;
-            v.y.as_mut_array()[lane] = value.y;
-            v.z.as_mut_array()[lane] = value.z;
-        };
-        set(&mut self.origin, path.ray.origin);
-        set(&mut self.direction, path.ray.direction);
-        set(&mut self.previous_vertex, path.previous_vertex);
-        set(&mut self.previous_normal, path.previous_normal.unwrap_or_default());
-        set(&mut self.throughput, path.throughput);
+        set_lane(&mut self.origin, lane, path.ray.origin);
+        set_lane(&mut self.direction, lane, path.ray.direction);
+        set_lane(&mut self.previous_vertex, lane, path.previous_vertex);
+        set_lane(&mut self.previous_normal, lane, path.previous_normal.unwrap_or_default());
+        set_lane(&mut self.throughput, lane, path.throughput);
         self.scatter_pdf.as_mut_array()[lane] = path.scatter_pdf;
         self.index_square.as_mut_array()[lane] = path.index_square;
         self.media[lane] = path.medium;
         let with_bit = |bits: u32, bit: bool| bits & !(1 << lane) | u32::from(bit) << lane;
         self.has_previous_normal = with_bit(self.has_previous_normal, path.previous_normal.is_some());
         self.lights_are_counted = with_bit(self.lights_are_counted, path.lights_are_counted);
+    }
+
+    /// Moves the first path of another packet, whose sampler has the same sample, into a free lane.
+    fn take_path(&mut self, lane: usize, other: &mut Self) {
+        let from = other.alive.trailing_zeros() as usize;
+        let path = other.path(from);
+        self.put(lane, &path);
+        self.slots[lane] = other.slots[from];
+        self.samplers.put(lane, path.sampler);
+        self.length.as_mut_array()[lane] = path.length;
+        set_lane(&mut self.radiance, lane, lane_of(other.radiance, from));
+        self.taken |= 1 << lane;
+        self.alive |= 1 << lane;
+        other.taken &= !(1 << from);
+        other.alive &= !(1 << from);
     }
 
     /// Lanes in a medium that absorbs.
@@ -189,10 +240,8 @@ impl Packet {
     fn add_each(&mut self, bits: u32, radiance: impl Fn(&Self, usize) -> Vec3) {
         let mut sum = self.radiance;
         for lane in set_bits(bits) {
-            let value = radiance(self, lane);
-            sum.x.as_mut_array()[lane] += value.x;
-            sum.y.as_mut_array()[lane] += value.y;
-            sum.z.as_mut_array()[lane] += value.z;
+            let value = lane_of(sum, lane) + radiance(self, lane);
+            set_lane(&mut sum, lane, value);
         }
         self.radiance = sum;
     }
@@ -208,9 +257,8 @@ impl Packet {
         for lane in set_bits(self.absorbed(ctx) & self.alive) {
             let length = if hit >> lane & 1 == 1 { t.as_array()[lane] } else { f32::INFINITY };
             let factor = transmittance(self.media[lane].absorption, length);
-            for (component, factor) in [(&mut self.throughput.x, factor.x), (&mut self.throughput.y, factor.y), (&mut self.throughput.z, factor.z)] {
-                component.as_mut_array()[lane] *= factor;
-            }
+            let throughput = lane_of(self.throughput, lane) * factor;
+            set_lane(&mut self.throughput, lane, throughput);
         }
         if missed != 0 {
             let sky = self.sky(ctx, missed);
@@ -240,46 +288,53 @@ impl Packet {
         pack(sky)
     }
 
-    /// Follows the paths from these surfaces to their ends.
-    fn follow(
+    /// Lets the paths leave their first surfaces as part of several; only the first part receives the light that they emit.
+    fn leave_first_surface(
         &mut self,
         ctx: &TraceContext,
-        mut surfaces: Surfaces8,
-        first_surface: u32,
-        mut reuse: Option<&mut PathReuse>,
+        surfaces: &Surfaces8,
+        part: u32,
+        reuse: Option<&mut PathReuse>,
     ) {
-        for surface_index in first_surface.. {
-            if self.alive == 0 {
-                return;
-            }
-            if let Some(reuse) = reuse.as_deref_mut().filter(|_| surface_index < 2) {
-                self.record(ctx, &surfaces, surface_index, reuse);
-            }
-            let materials = MaterialsOfLanes::new(ctx, &surfaces);
+        let parts = ctx.config.indirect_samples;
+        if part > 0 {
+            self.radiance = FieldVec3::splat(f32x8::ZERO);
+        }
+        self.pass_surface(ctx, surfaces, 0, part, reuse);
+        if parts > 1 {
+            self.samplers = self.samplers.part(part, parts);
+            self.throughput = self.throughput / f32x8::splat(parts as f32);
+        }
+    }
+
+    /// Adds the light that surfaces emit, and samples lights and the next rays, as part of several. Paths may end.
+    fn pass_surface(
+        &mut self,
+        ctx: &TraceContext,
+        surfaces: &Surfaces8,
+        surface_index: u32,
+        part: u32,
+        reuse: Option<&mut PathReuse>,
+    ) {
+        if self.alive == 0 {
+            return;
+        }
+        if let Some(reuse) = reuse.filter(|_| surface_index < 2) {
+            self.record(ctx, surfaces, surface_index, reuse);
+        }
+        let materials = MaterialsOfLanes::new(ctx, surfaces);
+        if part == 0 {
             self.add_each(materials.emitting & self.alive, |packet, lane| {
-                let interaction = packet.interaction(&surfaces, lane);
+                let interaction = packet.interaction(surfaces, lane);
                 emission_towards(ctx, &packet.path(lane), &interaction, surface_index)
             });
-            self.alive &= !materials.ending;
-            if self.alive == 0 || surface_index > ctx.frame.bounces {
-                return;
-            }
-            let parts = if surface_index == 0 { ctx.config.indirect_samples } else { 1 };
-            if parts > 1 {
-                let arriving = Self { radiance: FieldVec3::splat(f32x8::ZERO), ..*self };
-                for part in 0..parts {
-                    let mut leaving = arriving;
-                    leaving.scatter(ctx, &surfaces, &materials, (surface_index, part));
-                    leaving.samplers = leaving.samplers.part(part, parts);
-                    leaving.throughput = leaving.throughput / f32x8::splat(parts as f32);
-                    let surfaces = leaving.intersect(ctx, surface_index + 1);
-                    leaving.follow(ctx, surfaces, surface_index + 1, None);
-                    self.radiance = self.radiance + leaving.radiance;
-                }
-                return;
-            }
-            self.scatter(ctx, &surfaces, &materials, (surface_index, 0));
-            surfaces = self.intersect(ctx, surface_index + 1);
+        }
+        self.alive &= !materials.ending;
+        if surface_index > ctx.frame.bounces {
+            self.alive = 0;
+        }
+        if self.alive != 0 {
+            self.scatter(ctx, surfaces, &materials, (surface_index, part));
         }
     }
 
@@ -315,8 +370,9 @@ impl Packet {
             (_, 0) => 1,
             _ => 0,
         };
-        let random =
-            |samplers: &PixelSampler8, pair| samplers.sample_2d(pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + pair);
+        let random = |samplers: &PixelSampler8, pair| {
+            samplers.sample_2d(pair::PAIR_SURFACE + pair::PAIRS_PER_SURFACE * surface_index + pair)
+        };
         let chooses = light_samples > 0 && (ctx.scene.lights.len() > 1 || surface_index > ROULETTE_DEPTH);
         let parts = if surface_index == 0 { ctx.config.indirect_samples } else { 1 };
         let samplers = self.samplers.part(part, parts);
@@ -331,6 +387,8 @@ impl Packet {
             light: if light_samples > 0 { random(&self.samplers, pair::PAIR_LIGHT) } else { [f32x8::ZERO; 2] },
             scatter: random(&samplers, pair::PAIR_SCATTER),
         };
+        let origin = inputs.origin;
+        let leaving = Leaving { ctx, surfaces, inputs, light_samples, surface_index };
         let (diffuse, metal) = (self.alive & materials.diffuse, self.alive & materials.metal);
         let smooth = self.alive & materials.smooth;
         let others = self.alive & !diffuse & !metal & !smooth;
@@ -338,30 +396,28 @@ impl Packet {
         self.alive = 0;
         let mut tests = Vec::new();
         if diffuse != 0 {
-            let samples = (light_samples, samples_lights & diffuse);
-            self.scatter_kind::<DiffuseInLanes>(ctx, surfaces, &inputs, diffuse, samples, surface_index, &mut tests);
+            self.scatter_kind::<DiffuseInLanes>(&leaving, diffuse, samples_lights & diffuse, &mut tests);
         }
         if metal != 0 {
-            let samples = (light_samples, samples_lights & metal);
-            self.scatter_kind::<MetalInLanes>(ctx, surfaces, &inputs, metal, samples, surface_index, &mut tests);
+            self.scatter_kind::<MetalInLanes>(&leaving, metal, samples_lights & metal, &mut tests);
         }
         let lobe = match ctx.config.chooses_lobes && (smooth | others) != 0 {
             true => random(&samplers, pair::PAIR_LOBE),
             false => [f32x8::ZERO; 2],
         };
         if smooth != 0 {
-            self.scatter_smooth(ctx, surfaces, &inputs, smooth, lobe[0], surface_index);
+            self.scatter_smooth(&leaving, smooth, lobe[0]);
         }
         if others != 0 {
-            self.scatter_each(ctx, surfaces, &inputs, others, lobe, (light_samples, surface_index), &mut tests);
+            self.scatter_each(&leaving, others, lobe, &mut tests);
         }
         let is_in_lanes = mask_of(diffuse | metal);
-        self.origin = FieldVec3::select(is_in_lanes, inputs.origin, self.origin);
+        self.origin = FieldVec3::select(is_in_lanes, origin, self.origin);
         self.lights_are_counted &= smooth | others;
         self.has_previous_normal |= samples_lights;
         let samples_lights = mask_of(samples_lights);
-        self.previous_vertex = FieldVec3::select(samples_lights, inputs.origin, self.previous_vertex);
-        self.previous_normal = FieldVec3::select(samples_lights, inputs.shading_normal, self.previous_normal);
+        self.previous_vertex = FieldVec3::select(samples_lights, origin, self.previous_vertex);
+        self.previous_normal = FieldVec3::select(samples_lights, surfaces.normal, self.previous_normal);
         if !tests.is_empty() {
             for (lane, light) in direct_light(ctx, tests, surface_index) {
                 self.add_each(1 << lane, |_, _| clamped(ctx, light, surface_index));
@@ -373,19 +429,17 @@ impl Packet {
     #[inline(always)]
     fn scatter_kind<B: BsdfInLanes>(
         &mut self,
-        ctx: &TraceContext,
-        surfaces: &Surfaces8,
-        inputs: &ShadingInputs,
+        leaving: &Leaving,
         bits: u32,
-        (light_samples, samples_lights): (u32, u32),
-        surface_index: u32,
+        samples_lights: u32,
         tests: &mut Vec<ShadowTest>,
     ) {
+        let &Leaving { ctx, surfaces, ref inputs, light_samples, surface_index } = leaving;
         let parameters = self.parameters(ctx, surfaces, bits, B::PARAMETERS);
         let light_samples = (if samples_lights == 0 { 0 } else { light_samples }, samples_lights);
         let ScatteredPaths { direction, throughput, pdf, goes_on } =
             shade_lanes::<B>(ctx, inputs, &parameters, light_samples, surface_index, |light| {
-                self.test_light(ctx, inputs.origin, light, samples_lights, surface_index, tests);
+                self.test_light(leaving, light, samples_lights, tests);
             });
         let lanes = mask_of(bits);
         self.direction = FieldVec3::select(lanes, direction, self.direction);
@@ -396,22 +450,16 @@ impl Packet {
 
     /// [`scatter`](Self::scatter) for lanes with perfectly smooth glass, for which no light is sampled.
     #[inline(always)]
-    fn scatter_smooth(
-        &mut self,
-        ctx: &TraceContext,
-        surfaces: &Surfaces8,
-        inputs: &ShadingInputs,
-        bits: u32,
-        choice: f32x8,
-        surface_index: u32,
-    ) {
+    fn scatter_smooth(&mut self, leaving: &Leaving, bits: u32, choice: f32x8) {
+        let &Leaving { ctx, surfaces, ref inputs, surface_index, .. } = leaving;
         let first = surfaces.leaf[bits.trailing_zeros() as usize];
         let bsdf = ctx.scene.bsdfs[ctx.scene.leaves[first].material as usize];
         let Some(smooth) = bsdf.and_then(|bsdf| bsdf.smooth_in_lanes) else { return };
         let basis = Basis8::new(inputs.shading_normal);
         let wo = basis.local_viewer(inputs.to_viewer);
         let parameters = self.parameters(ctx, surfaces, bits, 0);
-        let SmoothSampleInLanes { wi, weight, eta } = (smooth.sample)(&parameters, wo, mask_of(surfaces.inside), choice);
+        let SmoothSampleInLanes { wi, weight, eta } =
+            (smooth.sample)(&parameters, wo, mask_of(surfaces.inside), choice);
         let direction = basis.to_world(wi).normalized();
         let transmitted = Mask8(wi.z.simd_lt(f32x8::ZERO));
         let throughput = self.throughput.times(weight);
@@ -439,16 +487,8 @@ impl Packet {
     }
 
     /// [`scatter`](Self::scatter) for lanes with materials that are shaded one by one.
-    fn scatter_each(
-        &mut self,
-        ctx: &TraceContext,
-        surfaces: &Surfaces8,
-        inputs: &ShadingInputs,
-        bits: u32,
-        lobe: [f32x8; 2],
-        (light_samples, surface_index): (u32, u32),
-        tests: &mut Vec<ShadowTest>,
-    ) {
+    fn scatter_each(&mut self, leaving: &Leaving, bits: u32, lobe: [f32x8; 2], tests: &mut Vec<ShadowTest>) {
+        let &Leaving { ctx, surfaces, ref inputs, light_samples, surface_index } = leaving;
         for lane in set_bits(bits) {
             let of_lane = |numbers: [f32x8; 2]| numbers.map(|number| number.as_array()[lane]);
             let samples = SurfaceSample {
@@ -472,13 +512,13 @@ impl Packet {
     #[inline(always)]
     fn test_light(
         &mut self,
-        ctx: &TraceContext,
-        origin: FieldVec3<f32x8>,
+        leaving: &Leaving,
         light: &LightOfPaths,
         samples_lights: u32,
-        surface_index: u32,
         tests: &mut Vec<ShadowTest>,
     ) {
+        let &Leaving { ctx, surface_index, .. } = leaving;
+        let origin = leaving.inputs.origin;
         let lit = light.lit & samples_lights;
         let has_target = (0..8).map(|lane| u32::from(light.shapes[lane].target().is_some()) << lane).sum::<u32>();
         let mut apart = lit & (has_target | self.absorbed(ctx));
@@ -489,9 +529,8 @@ impl Packet {
             let (t, leaf) = ctx.scene.field.analytic_hit_before(limit, origin, light.direction);
             let hit = t.simd_lt(limit).to_bitmask() & in_lanes;
             if ctx.config.fast_caustics {
-                let is_clear = |lane: &usize| {
-                    ctx.scene.material_of(leaf.as_array()[*lane] as usize).flags & CLEAR == CLEAR
-                };
+                let is_clear =
+                    |lane: &usize| ctx.scene.material_of(leaf.as_array()[*lane] as usize).flags & CLEAR == CLEAR;
                 apart |= set_bits(hit).filter(is_clear).map(|lane| 1 << lane).sum::<u32>();
             }
             self.add(in_lanes & !hit, clamped_lanes(ctx, light.radiance * light.weight, surface_index));
@@ -541,6 +580,16 @@ impl Packet {
     }
 }
 
+/// Surfaces that paths leave.
+struct Leaving<'a> {
+    ctx: &'a TraceContext<'a>,
+    surfaces: &'a Surfaces8,
+    inputs: ShadingInputs,
+    /// Number of light samples at each surface.
+    light_samples: u32,
+    surface_index: u32,
+}
+
 /// Lanes by what their materials do, a bit for each.
 struct MaterialsOfLanes {
     /// Emits light.
@@ -580,4 +629,79 @@ fn is_smooth_in_lanes(ctx: &TraceContext, material: usize) -> bool {
     let smooth = ctx.scene.bsdfs[material].and_then(|bsdf| bsdf.smooth_in_lanes);
     let is_plain = !ctx.config.textures || ctx.scene.textured_materials[material].is_plain();
     is_plain && smooth.is_some_and(|smooth| (smooth.is_smooth)(&ctx.scene.materials[material].parameters))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Settings;
+    use crate::backend::RenderInput;
+    use crate::integrator::path;
+    use pathmarch_scene::Scene;
+
+    const SURFACES: &str = "material \"red\" { diffuse 0.8 0.3 0.2 }
+        material \"steel\" { metal 0.9 0.8 0.7; roughness 0.3 }
+        material \"mirror\" { metal 0.9; roughness 0 }
+        material \"glass\" { glass 1 }
+        material \"green\" { glass 0.9; absorb 2 0.5 2 }
+        material \"frosted\" { glass 1; roughness 0.4 }
+        material \"pane\" { glass 0.9; thin 1 }
+        material \"lacquer\" { principled 0.2 0.3 0.8; roughness 0.3 }
+        material \"tiles\" { diffuse 0.9; checker 0.2 { scale 0.5 } }
+        object \"floor\" material=\"tiles\" { plane }
+        object \"ball\" material=\"red\" { sphere 0.5 { at -1.2 0.5 0 } }
+        object \"drum\" material=\"steel\" { cylinder 0.4 1 { at 0 0.5 -1 } }
+        object \"cube\" material=\"mirror\" { box 0.6 { at 1.2 0.4 -1 } }
+        object \"lens\" material=\"glass\" { sphere 0.5 { at 0 0.5 0.5 } }
+        object \"jelly\" material=\"green\" { subtract { box 0.7; sphere 0.4; at 1.3 0.4 0.4 } }
+        object \"bowl\" material=\"frosted\" { sphere 0.3 { at -0.6 0.3 1 } }
+        object \"pane\" material=\"pane\" { box 0.5 0.8 0.02 { at 0.7 0.4 1.2 } }
+        object \"block\" material=\"lacquer\" { box 0.5 { at -1 0.25 1.3 } }
+        material \"lamp\" { emit 4 3 2 }
+        object \"lamp\" material=\"lamp\" { sphere 0.3 { at 0.5 2 0.5 } }
+        object \"panel\" material=\"lamp\" { rect 0.5 0.5 { normal 0 -1 0; at -1 2 0 } }";
+
+    /// Pixels of samples 3 to 6 with and without packets.
+    fn both(scene: &str, change: impl Fn(&mut KernelConfig)) -> [Vec<Vec3>; 2] {
+        let text = format!("pathmarch 1\ncamera {{ position 0 1.5 5; target 0 0.5 0 }}\n{scene}");
+        let scene = Scene::parse("test.kdl", &text).unwrap_or_else(|error| panic!("{error}"));
+        let settings = Settings { size: [48, 27], bounces: 7, ..Settings::of(&scene) };
+        let mut input = RenderInput::new(&scene, &settings);
+        assert!(input.config.packets);
+        change(&mut input.config);
+        let pixels: Vec<(u32, u32)> = (0..27).flat_map(|y| (0..48).map(move |x| (x, y))).collect();
+        [true, false].map(|packets| {
+            input.config.packets = packets;
+            let ctx = input.context(None);
+            match input.config.splitting {
+                1 => (3..6).flat_map(|sample| path::trace(&ctx, &pixels, sample, 1)).collect(),
+                count => path::trace(&ctx, &pixels, 0, count),
+            }
+        })
+    }
+
+    #[test]
+    fn packets_have_the_light_of_paths_one_by_one() {
+        let light = "point { at 2 3 2; intensity 20 }\nsky \"gradient\" { zenith 0.3 0.5 1; horizon 1; ground 0.1 }
+            sun { direction 1 2 1; irradiance 2; angle 2 }";
+        let scene = |head: &str| format!("{head}\n{light}\n{SURFACES}");
+        let plain = scene("");
+        let cases: [(&str, String, fn(&mut KernelConfig)); 6] = [
+            ("plain", plain.clone(), |_| {}),
+            ("caustics", scene("render { caustics \"fast\" }"), |_| {}),
+            ("limited", scene("render { clamp 0.5 }"), |_| {}),
+            ("light samples", plain.clone(), |config| (config.light_samples, config.indirect_samples) = (3, 2)),
+            ("splitting", plain.clone(), |config| config.splitting = 4),
+            ("path reuse", plain, |config| config.path_reuse = true),
+        ];
+        for (name, scene, change) in cases {
+            let [packets, one_by_one] = both(&scene, change);
+            let differ = packets.iter().zip(&one_by_one).filter(|(a, b)| a != b).count();
+            let largest = packets.iter().zip(&one_by_one).map(|(a, b)| (a - b).abs().max_element()).fold(0.0, f32::max);
+            let sum: Vec3 = packets.iter().sum();
+            assert!(sum.min_element() > 1.0, "{name}: {sum}");
+            // The order of sums differs.
+            assert!(largest < 1e-5, "{name}: {differ} of {} differ, by {largest}", packets.len());
+        }
+    }
 }

@@ -86,6 +86,14 @@ pub(crate) fn lane_of(v: FieldVec3<f32x8>, lane: usize) -> Vec3 {
     Vec3::new(v.x.as_array()[lane], v.y.as_array()[lane], v.z.as_array()[lane])
 }
 
+/// Replaces the vector of a lane.
+#[inline(always)]
+pub(crate) fn set_lane(v: &mut FieldVec3<f32x8>, lane: usize, value: Vec3) {
+    v.x.as_mut_array()[lane] = value.x;
+    v.y.as_mut_array()[lane] = value.y;
+    v.z.as_mut_array()[lane] = value.z;
+}
+
 /// Eight rays as a structure of arrays. Copies of the first ray fill the last lanes.
 pub(crate) struct Rays8 {
     pub(crate) origin: FieldVec3<f32x8>,

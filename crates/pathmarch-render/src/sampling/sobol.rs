@@ -174,6 +174,11 @@ impl PixelSampler8 {
         PixelSampler { seed_hash, curve_index: self.curve_index[lane], sample, independent }
     }
 
+    /// Puts a sampler of the same kind, seed and sample into a lane.
+    pub(crate) fn put(&mut self, lane: usize, sampler: PixelSampler) {
+        self.curve_index[lane] = sampler.curve_index;
+    }
+
     /// [`PixelSampler::with_sample`] of every lane.
     pub(crate) fn with_sample(self, sample: u32) -> Self {
         Self { sample, ..self }
