@@ -6,7 +6,8 @@
 //! eight paths can instead do all of it together: their random numbers, rays, surfaces and lights stay in registers. A path
 //! that has ended leaves its lane to one of another packet: before each surface, the packets of a tile become as few as possible.
 //!
-//! The estimator is that of [`path`](super::path), which serves all other scenes: radiances are equal but for rounding.
+//! The estimator is that of [`path`](super::path), which serves all other scenes ([`KernelConfig::packets`]), pictures with
+//! photons and the guides of moving pictures: radiances are equal but for rounding.
 
 use super::camera::{camera_rays_in_lanes, pixel_sampler};
 use super::medium::transmittance;
@@ -21,8 +22,10 @@ use super::surface_samples::SurfaceSample;
 use crate::intersect::ray::{Ray, Rays8, lane_of, mask_of, pack, set_bits, set_lane, transposed, unpack};
 use crate::sampling::basis::Basis8;
 use crate::sampling::sobol::{PixelSampler8, pair};
+#[cfg(any(doc, test))]
+use crate::scene::KernelConfig;
 use crate::scene::material::{CLEAR, DELTA, EMITS, GLOWS, LAMBERTIAN};
-use crate::scene::{KernelConfig, Medium, RenderScene, TraceContext};
+use crate::scene::{Medium, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, Surfaces8};
 use crate::shading::textured_point::TexturedPoint;
 use glam::Vec3;
@@ -31,13 +34,6 @@ use pathmarch_scene::materials::{
     BsdfInLanes, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes, SmoothSampleInLanes,
 };
 use wide::f32x8;
-
-/// Reports whether [`trace`] serves a scene, at least without photons: all of it is intersected in closed form, and without
-/// media but those that absorb inside solids.
-pub(crate) fn are_possible(scene: &RenderScene, config: &KernelConfig) -> bool {
-    let is_closed_form = !scene.is_sphere_traced() && !scene.field.has_triangles() && !config.mesh_fields;
-    is_closed_form && !config.media && !config.dispersion && !config.penumbra && !config.shading_normals
-}
 
 /// Radiance of samples of these pixels, as [`path::trace`](super::path::trace).
 pub(super) fn trace(
@@ -645,9 +641,9 @@ mod tests {
         material \"glass\" { glass 1 }
         material \"green\" { glass 0.9; absorb 2 0.5 2 }
         material \"frosted\" { glass 1; roughness 0.4 }
-        material \"pane\" { glass 0.9; thin 1 }
+        material \"pane\" { glass 0.9; thin #true }
         material \"lacquer\" { principled 0.2 0.3 0.8; roughness 0.3 }
-        material \"tiles\" { diffuse 0.9; checker 0.2 { scale 0.5 } }
+        material \"tiles\" { diffuse { checker size=0.5 { colour 0.9; colour 0.2 } } }
         object \"floor\" material=\"tiles\" { plane }
         object \"ball\" material=\"red\" { sphere 0.5 { at -1.2 0.5 0 } }
         object \"drum\" material=\"steel\" { cylinder 0.4 1 { at 0 0.5 -1 } }

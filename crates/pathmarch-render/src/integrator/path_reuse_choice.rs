@@ -29,12 +29,19 @@ const MIN_GAIN: f64 = 0.2;
 const MAX_RARE_VARIANCE: f64 = 3000.0;
 
 /// Cost of a connection on the CPU, relative to a ray and its shading: 0.54 to 0.66.
-pub(crate) const CPU_CONNECTION_COST: f64 = 0.6;
+const CPU_CONNECTION_COST: f64 = 0.6;
+/// The same where rays and shading cost half, in [`packets`](super::packets): 1.2 to 1.3.
+const PACKETS_CONNECTION_COST: f64 = 1.25;
 /// Cost of a connection on the GPU, relative to a ray and its shading; not measured.
 const GPU_CONNECTION_COST: f64 = 1.0;
 /// Cost of a connection in a kernel on a software adapter, relative to a ray and its shading: its lanes exchange what they share
 /// through memory, one by one. On llvmpipe 2.6 to 6.3.
 const SOFTWARE_CONNECTION_COST: f64 = 4.0;
+
+/// Cost of a connection on the CPU, relative to a ray and its shading.
+pub(crate) fn cpu_connection_cost(config: &KernelConfig) -> f64 {
+    if config.packets { PACKETS_CONNECTION_COST } else { CPU_CONNECTION_COST }
+}
 
 /// Cost of a connection in a kernel, relative to a ray and its shading.
 pub(crate) fn kernel_connection_cost(is_software: bool) -> f64 {

@@ -15,7 +15,7 @@ use crate::backend::cpu::CpuJob;
 use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
 use crate::error::RenderError;
 use crate::integrator::path_reuse;
-use crate::integrator::path_reuse_choice::{CPU_CONNECTION_COST, kernel_connection_cost};
+use crate::integrator::path_reuse_choice::{cpu_connection_cost, kernel_connection_cost};
 use crate::integrator::photons::path_count_choice::{CPU_LIGHT_RAY_COST, kernel_light_ray_cost};
 use crate::output::exposure::suitable_stops;
 use crate::output::film::Film;
@@ -207,7 +207,8 @@ impl Renderer {
         let samples = settings.whole_samples.unwrap_or(settings.samples);
         input.choose_emitter_edges(settings, samples);
         let best = input.best_sample_counts(settings, samples, false);
-        input.choose_path_reuse(settings, samples, &best, CPU_CONNECTION_COST);
+        let connection_cost = cpu_connection_cost(&input.config);
+        input.choose_path_reuse(settings, samples, &best, connection_cost);
         input.set_sample_counts(&best);
         if !input.config.path_reuse {
             input.choose_splitting(settings, samples, false);

@@ -5,7 +5,6 @@ use super::leaf::MESH_FIELD;
 use super::light::LightShape;
 use super::material::{BOUNDARY, DISPERSES, TRANSMITS};
 use super::textured_material::TexturedMaterial;
-use crate::integrator::packets;
 use crate::mode::Mode;
 use crate::settings::Settings;
 use pathmarch_scene::{Caustics, DirectLighting};
@@ -77,7 +76,8 @@ pub(crate) struct KernelConfig {
     /// Grazing rays use a smaller hit tolerance. True where some sphere-traced object emits and none is a fractal,
     /// because the tolerance enlarges every emitter.
     pub(crate) refined_grazing: bool,
-    /// On the CPU, paths stay in lanes from the camera to their ends, see [`packets`](crate::integrator::packets).
+    /// All rays are intersected in closed form, and no medium but those that absorb inside solids takes part: on the CPU, paths
+    /// stay in lanes from the camera to their ends, see [`packets`](crate::integrator::packets).
     pub(crate) packets: bool,
 }
 
@@ -121,6 +121,8 @@ impl KernelConfig {
             refined_grazing: scene.has_sphere_traced_emitter(),
             packets: false,
         };
-        Self { packets: packets::are_possible(scene, &config), ..config }
+        let is_closed_form = !scene.is_sphere_traced() && !scene.field.has_triangles() && !config.mesh_fields;
+        let is_plain = !config.media && !config.dispersion && !config.penumbra && !config.shading_normals;
+        Self { packets: is_closed_form && is_plain, ..config }
     }
 }
