@@ -2,9 +2,10 @@
 //!
 //! **Idea.** [`path`](super::path) advances hundreds of paths side by side, so that lanes are full although rays and surfaces
 //! differ: sphere-traced rays end at different steps, and materials are shaded in different ways. All that a path carries then
-//! goes through memory between the parts. Where every ray is intersected in closed form and every surface is shaded in lanes,
-//! eight paths can instead do all of it together: their random numbers, rays, surfaces and lights stay in registers. A path
-//! that has ended leaves its lane to one of another packet: before each surface, the packets of a tile become as few as possible.
+//! goes through memory between the parts. Where every ray is intersected in closed form, eight paths can instead do all of it
+//! together: their random numbers, rays, surfaces and lights stay in registers, but for materials that are shaded one by one. A
+//! path that has ended leaves its lane to one of another packet: before each surface, the packets of a tile become as few as
+//! possible.
 //!
 //! The estimator is that of [`path`](super::path), which serves all other scenes ([`KernelConfig::packets`]), pictures with
 //! photons and the guides of moving pictures: radiances are equal but for rounding.
@@ -47,10 +48,10 @@ pub(super) fn trace(
     let ray_index = camera_ray_index(first, ctx.config.splitting);
     let start = |(k, chunk): (usize, &[(u32, u32)])| Packet::at_camera(ctx, chunk, 8 * k, ray_index);
     let mut at_camera: Vec<Packet> = pixels.chunks(8).enumerate().map(start).collect();
-    let surfaces: Vec<Surfaces8> = at_camera.iter_mut().map(|packet| packet.intersect(ctx, 0)).collect();
+    let surfaces: Vec<Option<Surfaces8>> = at_camera.iter_mut().map(|packet| packet.intersect(ctx, 0)).collect();
     for k in 0..samples {
         for part in 0..ctx.config.indirect_samples {
-            let leave = |(packet, surfaces): (&Packet, &Surfaces8)| {
+            let leave = |(packet, surfaces): (&Packet, &Option<Surfaces8>)| {
                 let mut packet = *packet;
                 for slot in &mut packet.slots {
                     *slot = *slot * samples + k;
@@ -58,7 +59,7 @@ pub(super) fn trace(
                 if ctx.config.splitting > 1 {
                     packet.samplers = packet.samplers.with_sample(first + k);
                 }
-                packet.leave_first_surface(ctx, surfaces, part, reuse.as_mut());
+                packet.leave_first_surface(ctx, surfaces.as_ref(), part, reuse.as_mut());
                 packet
             };
             let mut packets: Vec<Packet> = at_camera.iter().zip(&surfaces).map(leave).collect();
@@ -68,8 +69,9 @@ pub(super) fn trace(
                     break;
                 }
                 for packet in &mut packets {
-                    let surfaces = packet.intersect(ctx, surface_index);
-                    packet.pass_surface(ctx, &surfaces, surface_index, 0, reuse.as_mut());
+                    if let Some(surfaces) = packet.intersect(ctx, surface_index) {
+                        packet.pass_surface(ctx, &surfaces, surface_index, 0, reuse.as_mut());
+                    }
                 }
             }
         }
@@ -242,9 +244,10 @@ impl Packet {
         self.radiance = sum;
     }
 
-    /// Intersects the rays. Paths without a hit end and receive the radiance of the sky. Returns the surfaces of the others.
+    /// Intersects the rays. Paths without a hit end and receive the radiance of the sky. Returns the surfaces of the others, if
+    /// there are any.
     #[inline(always)]
-    fn intersect(&mut self, ctx: &TraceContext, surface_index: u32) -> Surfaces8 {
+    fn intersect(&mut self, ctx: &TraceContext, surface_index: u32) -> Option<Surfaces8> {
         let limit = Real::select(mask_of(self.alive), f32x8::splat(ctx.frame.far), f32x8::splat(-1.0));
         let rays = Rays8 { origin: self.origin, direction: self.direction, limit };
         let (t, leaf) = ctx.scene.field.analytic_hit_before(limit, self.origin, self.direction);
@@ -261,12 +264,15 @@ impl Packet {
             self.add(missed, clamped_lanes(ctx, self.throughput.times(sky), surface_index.saturating_sub(1)));
         }
         self.alive = hit;
+        if hit == 0 {
+            return None;
+        }
         // Lanes without a hit take the leaf of another.
-        let any = leaf.as_array()[hit.trailing_zeros() as usize & 7].max(0.0);
+        let any = leaf.as_array()[hit.trailing_zeros() as usize];
         let leaf = Real::select(mask_of(hit), leaf, f32x8::splat(any));
         self.length += t;
         self.origin = self.origin + self.direction * t;
-        Surfaces8::at_analytic_hits(ctx, &rays, t, leaf)
+        Some(Surfaces8::at_analytic_hits(ctx, &rays, t, leaf))
     }
 
     /// Radiance of the sky and the suns in these lanes, times its MIS weight.
@@ -288,7 +294,7 @@ impl Packet {
     fn leave_first_surface(
         &mut self,
         ctx: &TraceContext,
-        surfaces: &Surfaces8,
+        surfaces: Option<&Surfaces8>,
         part: u32,
         reuse: Option<&mut PathReuse>,
     ) {
@@ -296,7 +302,9 @@ impl Packet {
         if part > 0 {
             self.radiance = FieldVec3::splat(f32x8::ZERO);
         }
-        self.pass_surface(ctx, surfaces, 0, part, reuse);
+        if let Some(surfaces) = surfaces {
+            self.pass_surface(ctx, surfaces, 0, part, reuse);
+        }
         if parts > 1 {
             self.samplers = self.samplers.part(part, parts);
             self.throughput = self.throughput / f32x8::splat(parts as f32);
@@ -312,9 +320,6 @@ impl Packet {
         part: u32,
         reuse: Option<&mut PathReuse>,
     ) {
-        if self.alive == 0 {
-            return;
-        }
         if let Some(reuse) = reuse.filter(|_| surface_index < 2) {
             self.record(ctx, surfaces, surface_index, reuse);
         }
@@ -677,12 +682,20 @@ mod tests {
     }
 
     #[test]
+    fn an_empty_scene_has_the_light_of_its_sky() {
+        let [packets, one_by_one] = both("sky 0.2 0.3 0.4", |_| {});
+        assert_eq!(packets, one_by_one);
+        assert!(packets.iter().all(|&radiance| radiance == Vec3::new(0.2, 0.3, 0.4)));
+    }
+
+    #[test]
     fn packets_have_the_light_of_paths_one_by_one() {
         let light = "point { at 2 3 2; intensity 20 }\nsky \"gradient\" { zenith 0.3 0.5 1; horizon 1; ground 0.1 }
             sun { direction 1 2 1; irradiance 2; angle 2 }";
         let scene = |head: &str| format!("{head}\n{light}\n{SURFACES}");
         let plain = scene("");
-        let cases: [(&str, String, fn(&mut KernelConfig)); 6] = [
+        type Change = fn(&mut KernelConfig);
+        let cases: [(&str, String, Change); 6] = [
             ("plain", plain.clone(), |_| {}),
             ("caustics", scene("render { caustics \"fast\" }"), |_| {}),
             ("limited", scene("render { clamp 0.5 }"), |_| {}),
