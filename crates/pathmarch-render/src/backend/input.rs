@@ -7,7 +7,7 @@ use crate::integrator::photons::path_count_choice::best_path_count;
 use crate::integrator::photons::{self, default_path_count};
 use crate::integrator::sample_counts_choice::{BestCounts, SampleCounts, best_sample_counts};
 use crate::integrator::splitting::camera_ray_index;
-use crate::integrator::{moments, path, path_reuse_choice, splitting_choice};
+use crate::integrator::{moments, packets, path, path_reuse_choice, splitting_choice};
 use crate::mode::Mode;
 use crate::preview::{self, Preview};
 use crate::ray_stats::RayCounters;
@@ -235,7 +235,7 @@ impl RenderInput {
     pub(crate) fn samples_of(&self, ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
         match &self.data {
             ModeData::None if self.mode == Mode::Variance => moments::moments(ctx, pixels, first),
-            ModeData::None => path::trace(ctx, pixels, first, samples),
+            ModeData::None => packets::trace(ctx, pixels, first, samples),
             ModeData::Preview(preview) => preview::trace(ctx, preview, pixels, first),
             ModeData::View(table) => views::view(ctx, self.mode, table, pixels, first),
         }

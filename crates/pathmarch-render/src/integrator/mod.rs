@@ -16,7 +16,7 @@ pub(crate) mod medium_light;
 pub(crate) mod moments;
 mod nested_dielectrics;
 mod opaque_surfaces;
-mod packets;
+pub(crate) mod packets;
 pub(crate) mod participating_media;
 pub(crate) mod path;
 pub(crate) mod path_reuse;

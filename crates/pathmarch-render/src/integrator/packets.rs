@@ -14,7 +14,7 @@ use super::camera::{camera_rays_in_lanes, pixel_sampler};
 use super::medium::transmittance;
 use super::opaque_surfaces::{LightOfPaths, ScatteredPaths, ShadingInputs, roulette, shade_lanes};
 use super::participating_media::medium_after;
-use super::path::{emission_towards, shade};
+use super::path::{self, emission_towards, shade};
 use super::path_reuse::PathReuse;
 use super::path_state::{Path, ROULETTE_DEPTH, clamped, clamped_lanes, escaped_radiance};
 use super::shadow::{ShadowTest, direct_light};
@@ -36,14 +36,12 @@ use pathmarch_scene::materials::{
 };
 use wide::f32x8;
 
-/// Radiance of samples of these pixels, as [`path::trace`](super::path::trace).
-pub(super) fn trace(
-    ctx: &TraceContext,
-    pixels: &[(u32, u32)],
-    first: u32,
-    samples: u32,
-    mut reuse: Option<PathReuse>,
-) -> Vec<Vec3> {
+/// Radiance of samples of these pixels, as [`path::trace`], which traces them where packets cannot.
+pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
+    if !ctx.config.packets || ctx.photons.is_some() || ctx.stats.is_some() {
+        return path::trace(ctx, pixels, first, samples);
+    }
+    let mut reuse = ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples));
     let mut radiance = vec![Vec3::ZERO; pixels.len() * samples as usize];
     let ray_index = camera_ray_index(first, ctx.config.splitting);
     let start = |(k, chunk): (usize, &[(u32, u32)])| Packet::at_camera(ctx, chunk, 8 * k, ray_index);
@@ -637,7 +635,6 @@ mod tests {
     use super::*;
     use crate::Settings;
     use crate::backend::RenderInput;
-    use crate::integrator::path;
     use pathmarch_scene::Scene;
 
     const SURFACES: &str = "material \"red\" { diffuse 0.8 0.3 0.2 }
@@ -675,8 +672,8 @@ mod tests {
             input.config.packets = packets;
             let ctx = input.context(None);
             match input.config.splitting {
-                1 => (3..6).flat_map(|sample| path::trace(&ctx, &pixels, sample, 1)).collect(),
-                count => path::trace(&ctx, &pixels, 0, count),
+                1 => (3..6).flat_map(|sample| trace(&ctx, &pixels, sample, 1)).collect(),
+                count => trace(&ctx, &pixels, 0, count),
             }
         })
     }

@@ -27,7 +27,6 @@ use super::media_segment::{self, Vertex};
 use super::medium::transmittance;
 use super::nested_dielectrics::refracting_parameters;
 use super::opaque_surfaces::{self, SurfaceOfPath, kind_in_lanes};
-use super::packets;
 use super::participating_media::medium_after;
 use super::path_reuse::PathReuse;
 use super::path_state::{Path, clamped};
@@ -53,9 +52,6 @@ use std::iter::repeat_n;
 /// only if they share a camera ray.
 pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
     let mut reuse = ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples));
-    if ctx.config.packets && ctx.photons.is_none() && ctx.stats.is_none() {
-        return packets::trace(ctx, pixels, first, samples, reuse);
-    }
     let ray_index = camera_ray_index(first, ctx.config.splitting);
     let samplers: Vec<PixelSampler> = pixels.iter().map(|&(x, y)| pixel_sampler(ctx, x, y, ray_index)).collect();
     let rays = camera_rays(ctx.frame, pixels, &samplers).into_iter().zip(samplers);
