@@ -8,7 +8,7 @@ use super::light_sampling_lanes::{choose_lights, sample_directions, sample_weigh
 use super::path_state::{Path, ROULETTE_DEPTH, SURVIVAL_FACTOR};
 use super::shadow::ShadowTest;
 use super::surface_samples::SurfaceSamples;
-use crate::intersect::ray::{Ray, pack, set_bits, unpack};
+use crate::intersect::ray::{Ray, lane_of, pack, set_bits, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::material::{DELTA, LAMBERTIAN};
 use crate::scene::{LightShape, TraceContext};
@@ -55,23 +55,8 @@ fn shade<B: BsdfInLanes>(
     let origins = unpack(inputs.origin);
     let light_samples = (samples.light_samples, samples_lights);
     let scattered = shade_lanes::<B>(ctx, &inputs, &parameters, light_samples, surface_index, |light| {
-        let (directions, radiance) = (unpack(light.direction), unpack(light.radiance));
-        let (distance, weight) = (light.distance.to_array(), light.weight.to_array());
-        for lane in set_bits(light.lit) {
-            let (path, shape) = (&paths[surfaces[lane].0], light.shapes[lane]);
-            shadow_tests.push(ShadowTest {
-                slot: path.slot,
-                radiance: radiance[lane],
-                weight: weight[lane],
-                ray: Ray { origin: origins[lane], direction: directions[lane] },
-                distance: distance[lane],
-                target: shape.target(),
-                penumbra: shape.penumbra(),
-                path_length: path.length,
-                medium: path.medium,
-                sampler: path.sampler,
-            });
-        }
+        let of_lane = |lane: usize| light.test(lane, &paths[surfaces[lane].0], origins[lane]);
+        shadow_tests.extend(set_bits(light.lit).map(of_lane));
     });
     let (directions, throughputs) = (unpack(scattered.direction), unpack(scattered.throughput));
     let (scatter_pdfs, normals) = (scattered.pdf.to_array(), unpack(inputs.shading_normal));
@@ -102,6 +87,26 @@ pub(super) struct LightOfPaths<'a> {
     /// Largest distances of occluders, metres.
     pub(super) distance: f32x8,
     pub(super) shapes: [&'a LightShape; 8],
+}
+
+impl LightOfPaths<'_> {
+    /// Shadow test of the light sample of a lane, for its path and the origin of its ray.
+    #[inline(always)]
+    pub(super) fn test(&self, lane: usize, path: &Path, origin: Vec3) -> ShadowTest {
+        let shape = self.shapes[lane];
+        ShadowTest {
+            slot: path.slot,
+            radiance: lane_of(self.radiance, lane),
+            weight: self.weight.as_array()[lane],
+            ray: Ray { origin, direction: lane_of(self.direction, lane) },
+            distance: self.distance.as_array()[lane],
+            target: shape.target(),
+            penumbra: shape.penumbra(),
+            path_length: path.length,
+            medium: path.medium,
+            sampler: path.sampler,
+        }
+    }
 }
 
 /// Rays of eight paths that leave their surfaces, from the origins of the [`ShadingInputs`].

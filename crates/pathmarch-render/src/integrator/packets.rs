@@ -497,8 +497,8 @@ impl Packet {
                 scatter: of_lane(inputs.scatter),
                 lobe: of_lane(lobe),
             };
-            let (mut path, interaction) = (self.path(lane), self.interaction(surfaces, lane));
-            path.slot = lane;
+            let interaction = self.interaction(surfaces, lane);
+            let mut path = Path { slot: lane, ..self.path(lane) };
             // Only photons add radiance here.
             let mut radiance = Vec3::ZERO;
             let next_ray = shade(ctx, &mut path, &interaction, &samples, surface_index, &mut radiance, tests);
@@ -535,19 +535,8 @@ impl Packet {
             self.add(in_lanes & !hit, clamped_lanes(ctx, light.radiance * light.weight, surface_index));
         }
         for lane in set_bits(apart) {
-            let (path, shape) = (self.path(lane), light.shapes[lane]);
-            tests.push(ShadowTest {
-                slot: lane,
-                radiance: lane_of(light.radiance, lane),
-                weight: light.weight.as_array()[lane],
-                ray: Ray { origin: lane_of(origin, lane), direction: lane_of(light.direction, lane) },
-                distance: light.distance.as_array()[lane],
-                target: shape.target(),
-                penumbra: 0.0,
-                path_length: path.length,
-                medium: path.medium,
-                sampler: path.sampler,
-            });
+            let path = Path { slot: lane, ..self.path(lane) };
+            tests.push(light.test(lane, &path, lane_of(origin, lane)));
         }
     }
 
