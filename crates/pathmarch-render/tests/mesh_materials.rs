@@ -1,6 +1,6 @@
 //! Materials of glTF files against values in closed form, on both backends.
 
-use crate::common::{on_each_backend, parse, render};
+use crate::common::{cpu, on_each_backend, parse, render};
 use pathmarch_render::image::Picture;
 use pathmarch_render::metrics::{mean_colour, relmse};
 use pathmarch_render::{Renderer, Settings};
@@ -234,7 +234,7 @@ fn emitting_triangles_are_sampled_as_rays_find_them(renderer: &Renderer) {
         folder.path().join("cubes.obj").display()
     );
     for lamp in lamps.into_iter().chain([cubes]) {
-        let render_with = |estimator: &str, samples: u32| {
+        let render_with = |renderer: &Renderer, estimator: &str, samples: u32| {
             let scene = parse(&format!(
                 "pathmarch 1\ncamera {{ position 0 3 1.5; target 0 0 0; fov 50 }}\nrender {{ estimator \"{estimator}\" }}\n\
                  material \"white\" {{ diffuse 0.7 }}\nmaterial \"lamp\" {{ emit 5 }}\n\
@@ -243,9 +243,9 @@ fn emitting_triangles_are_sampled_as_rays_find_them(renderer: &Renderer) {
             let settings = Settings { size: [32, 24], samples, ..Settings::of(&scene) };
             render(renderer, &scene, &settings).mean()
         };
-        let reference = render_with("bsdf", 4096);
+        let reference = render_with(&cpu(), "bsdf", 4096);
         for (estimator, samples, limit) in [("mis", 512, 2e-3), ("light", 512, 4e-3)] {
-            let film = render_with(estimator, samples);
+            let film = render_with(renderer, estimator, samples);
             let error = relmse(&film, &reference).expect("equal sizes");
             let mean = |film: &Picture| film.pixels.iter().map(|pixel| pixel[1]).sum::<f32>();
             let ratio = mean(&film) / mean(&reference);

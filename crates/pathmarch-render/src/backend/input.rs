@@ -3,11 +3,11 @@
 use crate::integrator::emitter_edges::{self, EmitterEdges};
 use crate::integrator::guides::Guide;
 use crate::integrator::photons::emission::Emission;
-use crate::integrator::photons::path_count_choice::best_path_count;
+use crate::integrator::photons::path_count_choice::{CPU_LIGHT_RAY_COST, best_path_count, kernel_light_ray_cost};
 use crate::integrator::photons::{self, default_path_count};
 use crate::integrator::sample_counts_choice::{BestCounts, SampleCounts, best_sample_counts};
 use crate::integrator::splitting::camera_ray_index;
-use crate::integrator::{moments, packets, path, path_reuse_choice, splitting_choice};
+use crate::integrator::{moments, packets, path, path_reuse, path_reuse_choice, splitting_choice};
 use crate::mode::Mode;
 use crate::preview::{self, Preview};
 use crate::ray_stats::RayCounters;
@@ -107,9 +107,47 @@ impl RenderInput {
         only_frame_changes
     }
 
+    /// Chooses what the settings leave open such that the picture converges soonest on a GPU.
+    pub(crate) fn choose_for_gpu(&mut self, settings: &Settings, is_software: bool) {
+        // Paths that share a camera ray cannot be resumed on adapters that end loops, see backend/gpu/loop_limit.rs.
+        let limited = is_software && self.scene.field.has_loops();
+        let samples = settings.whole_samples.unwrap_or(settings.samples);
+        self.choose_constants(settings);
+        self.choose_emitter_edges(settings, samples);
+        let best = self.best_sample_counts(settings, samples, !limited);
+        if limited {
+            self.config.light_samples = best.light_alone;
+        } else {
+            if self.config.splitting <= path_reuse::MAX_SPLITTING {
+                self.choose_path_reuse(
+                    settings,
+                    samples,
+                    &best,
+                    path_reuse_choice::kernel_connection_cost(is_software),
+                );
+            }
+            self.set_sample_counts(&best);
+            self.choose_splitting(settings, samples, true);
+        }
+        self.choose_light_paths(samples, kernel_light_ray_cost(is_software));
+    }
+
+    /// Chooses what the settings leave open such that the picture converges soonest on the CPU.
+    pub(crate) fn choose_for_cpu(&mut self, settings: &Settings) {
+        let samples = settings.whole_samples.unwrap_or(settings.samples);
+        self.choose_emitter_edges(settings, samples);
+        let best = self.best_sample_counts(settings, samples, false);
+        self.choose_path_reuse(settings, samples, &best, path_reuse_choice::cpu_connection_cost(&self.config));
+        self.set_sample_counts(&best);
+        if !self.config.path_reuse {
+            self.choose_splitting(settings, samples, false);
+        }
+        self.choose_light_paths(samples, CPU_LIGHT_RAY_COST);
+    }
+
     /// Chooses the number of paths that share a camera ray such that the picture converges soonest, unless the settings tell it or
     /// several rays leave first surfaces; `in_lanes` on a GPU.
-    pub(crate) fn choose_splitting(&mut self, settings: &Settings, samples: u32, in_lanes: bool) {
+    fn choose_splitting(&mut self, settings: &Settings, samples: u32, in_lanes: bool) {
         if self.mode == Mode::Path && settings.splitting.is_none() && self.config.indirect_samples == 1 {
             self.config.splitting =
                 splitting_choice::best_splitting(&self.scene, &self.frame, &self.config, samples, in_lanes);
@@ -118,13 +156,7 @@ impl RenderInput {
 
     /// Lets pixels share light if the settings ask for it, or if the picture then converges sooner than with several indirect
     /// samples; a connection costs as much as this number of rays.
-    pub(crate) fn choose_path_reuse(
-        &mut self,
-        settings: &Settings,
-        samples: u32,
-        best: &BestCounts,
-        connection_cost: f64,
-    ) {
+    fn choose_path_reuse(&mut self, settings: &Settings, samples: u32, best: &BestCounts, connection_cost: f64) {
         let is_possible = self.mode == Mode::Path
             && settings.crop.is_none()
             && settings.clamp.is_none()
@@ -137,7 +169,7 @@ impl RenderInput {
     }
 
     /// Numbers of samples at first surfaces with which the picture converges soonest; `in_lanes` in a kernel that may split.
-    pub(crate) fn best_sample_counts(&self, settings: &Settings, samples: u32, in_lanes: bool) -> BestCounts {
+    fn best_sample_counts(&self, settings: &Settings, samples: u32, in_lanes: bool) -> BestCounts {
         if self.mode != Mode::Path || self.config.media || self.wants_guides {
             return BestCounts::one();
         }
@@ -156,7 +188,7 @@ impl RenderInput {
 
     /// Sets the numbers of samples at first surfaces. One indirect sample is left where pixels share light or paths share camera
     /// rays.
-    pub(crate) fn set_sample_counts(&mut self, best: &BestCounts) {
+    fn set_sample_counts(&mut self, best: &BestCounts) {
         let may_have_several = !self.config.path_reuse && self.config.splitting == 1;
         let alone = SampleCounts { light: best.light_alone, indirect: 1 };
         let counts = if may_have_several { best.counts } else { alone };
@@ -165,7 +197,7 @@ impl RenderInput {
 
     /// Traces further camera rays at the edges of emitters if the settings ask for it, or if the picture has enough `samples`
     /// for it to pay.
-    pub(crate) fn choose_emitter_edges(&mut self, settings: &Settings, samples: u32) {
+    fn choose_emitter_edges(&mut self, settings: &Settings, samples: u32) {
         let is_possible = self.mode == Mode::Path && !self.config.media && !self.wants_guides;
         if is_possible && settings.emitter_edges.unwrap_or_else(|| emitter_edges::pay(self.frame.size(), samples)) {
             self.edges = EmitterEdges::new(&self.context(None)).map(Arc::new);
@@ -174,7 +206,7 @@ impl RenderInput {
 
     /// Makes the numbers of the field and of the frame constants of a kernel for a software adapter, if the picture has
     /// enough samples for a kernel of its own.
-    pub(crate) fn choose_constants(&mut self, settings: &Settings) {
+    fn choose_constants(&mut self, settings: &Settings) {
         let pixels: f64 = self.frame.size().map(f64::from).iter().product();
         self.config.constant_numbers = pixels * f64::from(settings.samples) >= MIN_PATHS_FOR_CONSTANTS;
     }

@@ -10,7 +10,7 @@ use crate::wgsl::shared_constants;
 shared_constants! {
     /// Number of first samples of a pixel with a camera ray each, so that pictures that are stopped early have smooth
     /// edges.
-    pub(super) const UNSPLIT_SAMPLES: u32 = 16;
+    pub(crate) const UNSPLIT_SAMPLES: u32 = 16;
 }
 
 /// Index of the camera ray of a sample.

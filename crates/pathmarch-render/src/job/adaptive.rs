@@ -19,7 +19,6 @@
 
 use super::motion::{MotionBlur, Shutter};
 use super::{BackendInfo, Job, Renderer, Work};
-use crate::backend::RenderInput;
 use crate::error::RenderError;
 use crate::integrator::photons::default_path_count;
 use crate::mode::Mode;
@@ -237,7 +236,7 @@ impl Renderer {
         };
         let rect = whole.rect();
         let parts = parts.unwrap_or_else(|| std::array::from_fn(|_| FilmPart::new(rect)));
-        let renderer = self.settled(scene, &whole, &RenderInput::new(scene, &whole));
+        let renderer = self.settled(scene, &whole);
         let start = |change: u32, mode, samples: u32, part: FilmPart| {
             let before = part.samples().count();
             if part.rect() != rect || before > samples {

@@ -14,9 +14,6 @@ use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
 use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
 use crate::error::RenderError;
-use crate::integrator::path_reuse;
-use crate::integrator::path_reuse_choice::{cpu_connection_cost, kernel_connection_cost};
-use crate::integrator::photons::path_count_choice::{CPU_LIGHT_RAY_COST, kernel_light_ray_cost};
 use crate::output::exposure::suitable_stops;
 use crate::output::film::Film;
 use crate::ray_stats::{RayCounters, RayStats};
@@ -143,7 +140,7 @@ impl Renderer {
         }
         settings.check(scene)?;
         // One choice for the whole picture, not one for each of its moments.
-        let renderer = self.settled(scene, settings, &RenderInput::new(scene, settings));
+        let renderer = self.settled(scene, settings);
         let backend = renderer.backend();
         let motion = MotionBlur::new(renderer, animation.clone(), settings, shutter);
         Ok(Job { work: Work::Moving(Box::new(motion)), settings: settings.clone(), backend, taken: 0 })
@@ -181,42 +178,49 @@ impl Renderer {
     }
 
     /// The same renderer, with its choice between a software adapter and the CPU made for a picture.
-    fn settled(&self, scene: &Scene, settings: &Settings, input: &RenderInput) -> Self {
+    fn settled(&self, scene: &Scene, settings: &Settings) -> Self {
+        if self.measures { self.with_input(scene, settings).0 } else { self.clone() }
+    }
+
+    /// Backend that suits a picture, with its input.
+    fn with_input(&self, scene: &Scene, settings: &Settings) -> (Self, RenderInput) {
+        let mut input = RenderInput::new(scene, settings);
         match &self.gpu {
-            Some(gpu) if self.measures => match backend_choice::measure(scene, settings, input, gpu) {
-                Choice::Gpu => Self { measures: false, ..self.clone() },
-                Choice::Cpu { reason } => Self::on_cpu(Some(reason)),
-            },
-            _ => self.clone(),
+            Some(gpu) if self.measures => {
+                let (choice, input) = backend_choice::measure(scene, settings, &input, gpu);
+                let renderer = match choice {
+                    Choice::Gpu => Self { measures: false, ..self.clone() },
+                    Choice::Cpu { reason } => Self::on_cpu(Some(reason)),
+                };
+                return (renderer, input);
+            }
+            Some(gpu) => input.choose_for_gpu(settings, gpu.is_software()),
+            None => input.choose_for_cpu(settings),
         }
+        (self.clone(), input)
     }
 
     /// Tracer of a picture, on the backend that suits it.
     fn trace(&self, scene: &Scene, settings: &Settings) -> Result<(Tracer, BackendInfo), RenderError> {
         settings.check(scene)?;
-        let mut input = RenderInput::new(scene, settings);
-        input.choose_constants(settings);
-        let Self { gpu, may_fall_back, mut notice, .. } = self.settled(scene, settings, &input);
-        if let Some(gpu) = &gpu {
-            match on_gpu(&mut input, settings, gpu) {
-                Ok(job) => return Ok((Tracer::Gpu(Box::new(job)), BackendInfo::gpu(gpu))),
-                Err(error) if may_fall_back => notice = Some(error.to_string()),
-                Err(error) => return Err(error),
+        let (Self { gpu, may_fall_back, notice, .. }, input) = self.with_input(scene, settings);
+        let Some(gpu) = gpu else {
+            return Ok((on_cpu(input, settings), BackendInfo::cpu(notice)));
+        };
+        match GpuJob::new(gpu.clone(), &input, settings.first_sample, gpu::OFFLINE) {
+            Ok(job) => Ok((Tracer::Gpu(Box::new(job.cropped(settings.rect()))), BackendInfo::gpu(&gpu))),
+            Err(error) if may_fall_back => {
+                let (_, input) = Self::on_cpu(None).with_input(scene, settings);
+                Ok((on_cpu(input, settings), BackendInfo::cpu(Some(error.to_string()))))
             }
+            Err(error) => Err(error),
         }
-        let samples = settings.whole_samples.unwrap_or(settings.samples);
-        input.choose_emitter_edges(settings, samples);
-        let best = input.best_sample_counts(settings, samples, false);
-        let connection_cost = cpu_connection_cost(&input.config);
-        input.choose_path_reuse(settings, samples, &best, connection_cost);
-        input.set_sample_counts(&best);
-        if !input.config.path_reuse {
-            input.choose_splitting(settings, samples, false);
-        }
-        input.choose_light_paths(samples, CPU_LIGHT_RAY_COST);
-        let job = CpuJob::new(input, settings.first_sample).cropped(settings.rect());
-        Ok((Tracer::Cpu(Box::new(job)), BackendInfo::cpu(notice)))
     }
+}
+
+/// Tracer of a picture on the CPU.
+fn on_cpu(input: RenderInput, settings: &Settings) -> Tracer {
+    Tracer::Cpu(Box::new(CpuJob::new(input, settings.first_sample).cropped(settings.rect())))
 }
 
 impl Renderer {
@@ -227,25 +231,6 @@ impl Renderer {
             None => Tracer::Cpu(Box::new(CpuJob::new(input.clone(), first_sample))),
         })
     }
-}
-
-fn on_gpu(input: &mut RenderInput, settings: &Settings, gpu: &Arc<GpuContext>) -> Result<GpuJob, RenderError> {
-    // Paths that share a camera ray cannot be resumed on adapters that end loops, see backend/gpu/loop_limit.rs.
-    let limited = gpu.is_software() && input.scene.field.has_loops();
-    let samples = settings.whole_samples.unwrap_or(settings.samples);
-    input.choose_emitter_edges(settings, samples);
-    let best = input.best_sample_counts(settings, samples, !limited);
-    if limited {
-        input.config.light_samples = best.light_alone;
-    } else {
-        if input.config.splitting <= path_reuse::MAX_SPLITTING {
-            input.choose_path_reuse(settings, samples, &best, kernel_connection_cost(gpu.is_software()));
-        }
-        input.set_sample_counts(&best);
-        input.choose_splitting(settings, samples, true);
-    }
-    input.choose_light_paths(samples, kernel_light_ray_cost(gpu.is_software()));
-    Ok(GpuJob::new(gpu.clone(), input, settings.first_sample, gpu::OFFLINE)?.cropped(settings.rect()))
 }
 
 /// Picture being rendered.

@@ -53,6 +53,14 @@ impl Tracer {
         }
     }
 
+    /// Waits for all that is submitted.
+    pub(crate) fn wait(&mut self) -> Result<(), RenderError> {
+        match self {
+            Self::Gpu(job) => job.wait(),
+            Self::Cpu(_) => Ok(()),
+        }
+    }
+
     /// Starts again with an input of the same scene and kernel, from this sample on; returns false if that needs a new tracer.
     pub(crate) fn reframe(&mut self, input: &RenderInput, first_sample: u32) -> Result<bool, RenderError> {
         match self {

@@ -20,12 +20,13 @@
 //! suffice, it is built again with longer lists.
 //!
 //! **Edits.** Roots have one of eight sizes for each power of two, and their places are multiples of it, so that a small change of
-//! the bounds seldom moves them. After an edit, the roots whose shapes are unchanged keep their descendants.
+//! the bounds seldom moves them. After an edit, blocks of roots keep their roots' lists if their own lists are the same and no
+//! shape in them has changed, and roots keep their descendants likewise.
 //!
 //! Cost: a few evaluations of the listed shapes for each cell, eight cells at a time.
 
 use super::code_values::CodeValues;
-use super::{Member, Previous, ShapeGrid};
+use super::{Member, ShapeGrid};
 use crate::blend::{Blend, BlendProfile};
 use crate::graph::Field;
 use crate::graph::far_field::FarField;
@@ -94,20 +95,30 @@ pub(crate) struct SparseGrid {
     short: usize,
     /// Roots, x fastest.
     roots: Vec<Root>,
+    /// Shapes that affect each block of roots, x fastest.
+    blocks: Vec<Vec<u32>>,
     /// Length of all their lists together.
     entries: usize,
 }
 
 /// Root cell.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Root {
     /// Positions in the fold of the shapes that affect it.
-    list: Vec<u32>,
+    list: Arc<[u32]>,
     /// Length of the list of its block.
     block_length: usize,
     /// Distance of the union at its centre, metres.
     distance: f32,
     cells: OnceLock<Arc<RootCells>>,
+}
+
+impl Root {
+    /// The same root, whose cells are not built.
+    fn without_cells(&self) -> Self {
+        let &Self { ref list, block_length, distance, .. } = self;
+        Self { list: list.clone(), block_length, distance, cells: OnceLock::new() }
+    }
 }
 
 /// Root cell and its descendants.
@@ -176,45 +187,73 @@ impl SparseGrid {
             cutoff: shape_grid.smooth.map_or(0.0, |blend| cutoff(blend, negligible)),
             short: SHORT * ((count as f32 / 1000.0).powf(0.6).round() as usize).clamp(1, 16),
             roots: Vec::new(),
+            blocks: Vec::new(),
             entries: 0,
         };
+        let previous =
+            shape_grid.previous.as_ref().and_then(|previous| Some((previous.grid.get()?, &*previous.changed)));
+        let previous = previous.filter(|(before, _)| grid.key() == before.key());
         let [nx, ny, nz] = counts.map(|count| count.div_ceil(1 << BLOCK));
         let places = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
-        let blocks: Vec<[u32; 3]> = places.collect();
-        let roots_of = |blocks: &[[u32; 3]]| {
+        let places: Vec<[u32; 3]> = places.collect();
+        let blocks_of = |(chunk, places): (usize, &[[u32; 3]])| {
             let mut pruner = Pruner::new(field, shape_grid, &grid, (0..count as u32).collect());
-            let pruned = pruner.prune_each(blocks, BITS + BLOCK, 0..count);
-            let mut roots = Vec::new();
-            for (&block, Pruned { list, .. }) in blocks.iter().zip(pruned) {
-                let length = list.len();
-                pruner.prune_roots(block, BLOCK, list, length, &mut roots);
+            let pruned = pruner.prune_each(places, BITS + BLOCK, 0..count);
+            let mut blocks = Vec::new();
+            for (k, (&place, Pruned { list, .. })) in places.iter().zip(pruned).enumerate() {
+                let shapes = pruner.stack[list.clone()].to_vec();
+                let mut roots = Vec::new();
+                match previous {
+                    Some((before, changed))
+                        if before.blocks[8 * chunk + k] == shapes && is_unchanged(&shapes, changed) =>
+                    {
+                        let indices = grid.roots_in(place);
+                        roots.extend(indices.map(|index| (index, before.roots[index].without_cells())));
+                    }
+                    _ => pruner.prune_roots(place, BLOCK, list, shapes.len(), &mut roots),
+                }
+                blocks.push((shapes, roots));
             }
-            roots
+            blocks
         };
-        let mut roots: Vec<(usize, Root)> = blocks.par_chunks(8).flat_map_iter(roots_of).collect();
+        let blocks: Vec<_> = places.par_chunks(8).enumerate().flat_map_iter(blocks_of).collect();
+        let (blocks, roots): (Vec<Vec<u32>>, Vec<Vec<(usize, Root)>>) = blocks.into_iter().unzip();
+        let mut roots: Vec<(usize, Root)> = roots.into_iter().flatten().collect();
         roots.sort_unstable_by_key(|(index, _)| *index);
+        grid.blocks = blocks;
         grid.roots = roots.into_iter().map(|(_, root)| root).collect();
         grid.entries = grid.roots.iter().map(|root| root.list.len()).sum::<usize>().max(1);
-        if let Some((previous, grid_before)) = shape_grid.previous.as_ref().and_then(|p| Some((p, p.grid.get()?))) {
-            grid.take_over(grid_before, previous);
+        if let Some((before, changed)) = previous {
+            grid.take_over(before, changed);
         }
         grid
     }
 
-    /// Takes the descendants of those roots from an earlier grid that building them would repeat.
-    fn take_over(&mut self, old: &Self, previous: &Previous) {
-        let key =
-            |grid: &Self| (grid.min, grid.edge, grid.counts, grid.lipschitz, grid.negligible, grid.cutoff, grid.short);
-        if key(self) != key(old) {
-            return;
-        }
+    /// Numbers that two grids have in common if what one has built can serve the other.
+    fn key(&self) -> impl PartialEq {
+        (self.min, self.edge, self.counts, self.lipschitz, self.negligible, self.cutoff, self.short)
+    }
+
+    /// Indices of the roots in a block.
+    fn roots_in(&self, place: [u32; 3]) -> impl Iterator<Item = usize> {
+        let counts = self.counts;
+        let [x, y, z]: [Range<u32>; 3] =
+            std::array::from_fn(|k| place[k] << BLOCK..((place[k] + 1) << BLOCK).min(counts[k]));
+        z.flat_map(move |z| {
+            let x = x.clone();
+            y.clone().flat_map(move |y| x.clone().map(move |x| ((z * counts[1] + y) * counts[0] + x) as usize))
+        })
+    }
+
+    /// Takes the descendants of those roots from an earlier grid of the same key that building them would repeat.
+    fn take_over(&mut self, before: &Self, changed: &[bool]) {
         let is_within = |length: usize, root: &Root, most: [usize; 2]| length <= self.share(root, most);
-        for (root, before) in self.roots.iter().zip(&old.roots) {
+        for (root, before) in self.roots.iter().zip(&before.roots) {
             let Some(cells) = before.cells.get() else { continue };
             let is_same = root.list == before.list
                 && root.block_length == before.block_length
                 && root.distance == before.distance
-                && root.list.iter().all(|&number| !previous.changed[number as usize])
+                && is_unchanged(&root.list, changed)
                 && cells.short == self.short
                 && is_within(cells.cells.len(), root, MAX_CELLS)
                 && is_within(cells.lists.len(), root, MAX_ENTRIES);
@@ -235,7 +274,8 @@ impl SparseGrid {
             let cells = root.cells.get().map_or(0, |root| size_of_val(&*root.cells) + size_of_val(&*root.lists));
             size_of::<Root>() + size_of_val(&*root.list) + cells
         };
-        self.roots.iter().map(of_root).sum()
+        let blocks: usize = self.blocks.iter().map(|list| size_of_val(&**list)).sum();
+        blocks + self.roots.iter().map(of_root).sum::<usize>()
     }
 
     /// A root's cells, built on first use.
@@ -255,7 +295,7 @@ impl SparseGrid {
             // Lists of all shapes cannot get longer.
             let is_unlimited = short >= root.list.len();
             let mut builder = RootBuilder {
-                pruner: Pruner::new(field, shape_grid, self, root.list.clone()),
+                pruner: Pruner::new(field, shape_grid, self, root.list.to_vec()),
                 short,
                 max_cells: if is_unlimited { usize::MAX } else { self.share(root, MAX_CELLS) },
                 max_entries: if is_unlimited { usize::MAX } else { self.share(root, MAX_ENTRIES) },
@@ -330,6 +370,11 @@ impl SparseGrid {
         let centre = std::array::from_fn(|k| centre(self.min[k], self.edge, place[k] >> shift, shift));
         Found { cell, centre, inside }
     }
+}
+
+/// Reports whether no shape of a list has changed.
+fn is_unchanged(list: &[u32], changed: &[bool]) -> bool {
+    list.iter().all(|&number| !changed[number as usize])
 }
 
 /// Centre of a cell along an axis; `place` is its index among the cells of its size.
@@ -423,7 +468,7 @@ impl<'a> Pruner<'a> {
                 continue;
             }
             let [x, y, z] = place;
-            let list = self.stack[list].to_vec();
+            let list = self.stack[list].into();
             let index = ((z * counts[1] + y) * counts[0] + x) as usize;
             roots.push((index, Root { list, block_length, distance, cells: OnceLock::new() }));
         }
