@@ -99,6 +99,8 @@ pub struct Field {
     /// Analytic objects among them.
     analytic: Vec<AnalyticObject>,
     shape_grids: Vec<ShapeGrid>,
+    /// True if cells of shape grids that are missing are built [coarse](Field::with_coarse_grids).
+    coarse_grids: bool,
     /// Hierarchy over many analytic objects.
     bvh: Bvh,
     /// Hierarchy over the meshes of triangles.

@@ -121,12 +121,17 @@ fn mixed_grids() -> Vec<(String, Vec<Node>)> {
     all
 }
 
+/// A field whose shape grids are fine, and the same with coarse ones.
+fn fine_and_coarse(objects: &[Node]) -> [Field; 2] {
+    [Field::new(objects), Field::new(objects).with_coarse_grids()]
+}
+
 #[test]
 fn the_surface_of_a_grid_is_that_of_the_whole_union() {
     let plain = grids().into_iter().enumerate().map(|(number, objects)| (number.to_string(), objects));
     for (number, (name, objects)) in plain.chain(mixed_grids()).enumerate() {
-        let (ours, whole) = (Field::new(&objects), Field::with_shape_grids_from(&objects, usize::MAX));
-        assert!(ours.shapes_as_code() < 20, "{name}");
+        let (grids, whole) = (fine_and_coarse(&objects), Field::with_shape_grids_from(&objects, usize::MAX));
+        assert!(grids[0].shapes_as_code() < 20, "{name}");
         let mut random = Random::new(number as u64);
         let mut met = 0;
         while met < 300 {
@@ -141,19 +146,21 @@ fn the_surface_of_a_grid_is_that_of_the_whole_union() {
             }
             met += 1;
             let seeds: [u32; 8] = std::array::from_fn(|k| (8 * met + k) as u32);
-            let eight = ours.surface_at_hit(lanes(&[p; 8]), f32x8::splat(SPHERE_TRACED), &|index| {
-                <f32x8 as pathmarch_field::graph::Batch>::choice(seeds, index)
-            });
-            for (lane, &seed) in seeds.iter().enumerate() {
-                let threshold = |index| <f32 as pathmarch_field::graph::Batch>::choice(seed, index);
-                let (a, b) = (
-                    ours.surface_at_hit(p, SPHERE_TRACED, &threshold),
-                    whole.surface_at_hit(p, SPHERE_TRACED, &threshold),
-                );
-                assert!((a.field.value - b.field.value).abs() < 2e-5, "{name} {p:?} {a:?} {b:?}");
-                assert!((a.field.gradient - b.field.gradient).length() < 1e-3, "{name} {p:?} {a:?} {b:?}");
-                assert_eq!(a.leaf, b.leaf, "{name} at {p:?}");
-                assert_eq!(a.leaf, eight.leaf.to_array()[lane]);
+            for ours in &grids {
+                let eight = ours.surface_at_hit(lanes(&[p; 8]), f32x8::splat(SPHERE_TRACED), &|index| {
+                    <f32x8 as pathmarch_field::graph::Batch>::choice(seeds, index)
+                });
+                for (lane, &seed) in seeds.iter().enumerate() {
+                    let threshold = |index| <f32 as pathmarch_field::graph::Batch>::choice(seed, index);
+                    let (a, b) = (
+                        ours.surface_at_hit(p, SPHERE_TRACED, &threshold),
+                        whole.surface_at_hit(p, SPHERE_TRACED, &threshold),
+                    );
+                    assert!((a.field.value - b.field.value).abs() < 2e-5, "{name} {p:?} {a:?} {b:?}");
+                    assert!((a.field.gradient - b.field.gradient).length() < 1e-3, "{name} {p:?} {a:?} {b:?}");
+                    assert_eq!(a.leaf, b.leaf, "{name} at {p:?}");
+                    assert_eq!(a.leaf, eight.leaf.to_array()[lane]);
+                }
             }
         }
     }
@@ -226,6 +233,39 @@ fn after_an_edit_a_grid_shares_what_is_unchanged_and_is_that_of_the_new_shapes()
     assert!(edited.shape_grid_bytes() > whole / 2, "{} of {whole}", edited.shape_grid_bytes());
     assert_eq!(distances(&edited), distances(&field_of(&children)));
     assert_ne!(distances(&edited), distances_before);
+}
+
+#[test]
+fn coarse_cells_are_kept_apart_from_fine_ones() {
+    let mut random = Random::new(5);
+    let mut children = shapes(&mut random, 1000, 8.0);
+    for node in &mut children {
+        node.placement.scale = Some(0.3);
+    }
+    let blend = Some(Blend { amount: 0.05, profile: BlendProfile::Soft, steps: 3.0 });
+    let points: Vec<_> = (0..2000).map(|_| random.point(Aabb::centred(8.0, 8.0, 8.0))).collect();
+    let distances = |field: &Field| -> Vec<u32> {
+        points.iter().map(|&p| field.sphere_traced_distance(p, RayKind::Secondary).to_bits()).collect()
+    };
+    let [fine, fresh] = [(); 2].map(|()| Field::new(&[union(children.clone(), blend)]));
+    let coarse = fine.clone().with_coarse_grids();
+    let coarse_distances = distances(&coarse);
+    let coarse_bytes = coarse.shape_grid_bytes();
+    assert!(coarse.has_coarse_grids() && !fine.has_coarse_grids());
+    // What is coarse does not change what is not.
+    assert_eq!(distances(&fine), distances(&fresh));
+    assert_ne!(coarse_distances, distances(&fresh));
+    assert!(4 * coarse_bytes < 3 * fresh.shape_grid_bytes(), "{coarse_bytes} and {}", fresh.shape_grid_bytes());
+    // Fine cells serve both, also after an edit.
+    assert_eq!(distances(&coarse), distances(&fine));
+    if let Some(at) = &mut children[500].placement.at {
+        at[1] += 0.2;
+    }
+    let mut edited = Field::new(&[union(children.clone(), blend)]);
+    edited.follow(&coarse);
+    let moved = edited.clone().with_coarse_grids();
+    distances(&moved);
+    assert_eq!(distances(&edited), distances(&Field::new(&[union(children, blend)])));
 }
 
 #[test]
@@ -309,35 +349,37 @@ mod slow {
     fn near_its_surface_a_grid_is_the_whole_union_and_elsewhere_no_farther() {
         let plain = grids().into_iter().enumerate().map(|(number, objects)| (number.to_string(), objects));
         for (number, (name, objects)) in plain.chain(mixed_grids()).enumerate() {
-            let (ours, whole) = (Field::new(&objects), Field::with_shape_grids_from(&objects, usize::MAX));
-            let bounds = whole.bounds().intersection(Aabb::centred(12.0, 12.0, 12.0)).expanded(2.0);
-            let mut random = Random::new(number as u64);
-            let (mut exact, mut bounded) = (0, 0);
-            for _ in 0..2000 {
-                let points: [Vec3<f32>; 8] = std::array::from_fn(|_| random.point(bounds));
-                let eight = ours.sphere_traced_distance(lanes(&points), RayKind::Secondary).to_array();
-                for (p, eight) in points.into_iter().zip(eight) {
-                    let (one, truth) = (
-                        ours.sphere_traced_distance(p, RayKind::Secondary),
-                        whole.sphere_traced_distance(p, RayKind::Secondary),
-                    );
-                    assert!((one - eight).abs() <= 1e-5, "{name}: {one} {eight} at {p:?}");
-                    assert!(one <= truth + 2e-5, "{name}: {one} is more than {truth} at {p:?}");
-                    if (one - truth).abs() <= 2e-5 {
-                        exact += 1
-                    } else {
-                        bounded += 1
+            let whole = Field::with_shape_grids_from(&objects, usize::MAX);
+            for ours in fine_and_coarse(&objects) {
+                let bounds = whole.bounds().intersection(Aabb::centred(12.0, 12.0, 12.0)).expanded(2.0);
+                let mut random = Random::new(number as u64);
+                let (mut exact, mut bounded) = (0, 0);
+                for _ in 0..2000 {
+                    let points: [Vec3<f32>; 8] = std::array::from_fn(|_| random.point(bounds));
+                    let eight = ours.sphere_traced_distance(lanes(&points), RayKind::Secondary).to_array();
+                    for (p, eight) in points.into_iter().zip(eight) {
+                        let (one, truth) = (
+                            ours.sphere_traced_distance(p, RayKind::Secondary),
+                            whole.sphere_traced_distance(p, RayKind::Secondary),
+                        );
+                        assert!((one - eight).abs() <= 1e-5, "{name}: {one} {eight} at {p:?}");
+                        assert!(one <= truth + 2e-5, "{name}: {one} is more than {truth} at {p:?}");
+                        if (one - truth).abs() <= 2e-5 {
+                            exact += 1
+                        } else {
+                            bounded += 1
+                        }
+                        // What a march takes for a hit is one.
+                        assert!(one > 1e-3 || truth < 1e-2, "{name}: {one} for {truth} at {p:?}");
+                        assert_eq!(
+                            ours.distance(p),
+                            whole.distance(p).min(ours.distance(p) + 2e-5).max(ours.distance(p) - 2e-5)
+                        );
                     }
-                    // What a march takes for a hit is one.
-                    assert!(one > 1e-3 || truth < 1e-2, "{name}: {one} for {truth} at {p:?}");
-                    assert_eq!(
-                        ours.distance(p),
-                        whole.distance(p).min(ours.distance(p) + 2e-5).max(ours.distance(p) - 2e-5)
-                    );
                 }
+                println!("grid {name}: {exact} exact, {bounded} bounded, {} bytes", ours.shape_grid_bytes());
+                assert!(exact > 300 && bounded > 10, "{name}");
             }
-            println!("grid {name}: {exact} exact, {bounded} bounded, {} bytes", ours.shape_grid_bytes());
-            assert!(exact > 300 && bounded > 10, "{name}");
         }
     }
 

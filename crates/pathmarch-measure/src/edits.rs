@@ -2,7 +2,9 @@
 //!
 //! **Method.** The first number of the last shape is moved to and fro, as by a slider. *Document* is the time until the
 //! text is changed and read, *first sample* the time from there to the first picture of a live renderer, whose size that
-//! renderer chooses for a picture that moves. Both take turns; the report has the medians.
+//! renderer chooses for a picture that moves. *Other view* is the time to the first picture after a movement of the camera
+//! instead, for the same number of pixels. What an edit takes beyond that is what the edit costs: *edit* is document and first
+//! sample without other view. All take turns; the report has the medians.
 
 use crate::bench;
 use crate::measure::median;
@@ -36,7 +38,16 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    outln!("{:20} {:>8} {:>12} {:>16} {:>12}", "scene", "shapes", "document ms", "first sample ms", "picture");
+    outln!(
+        "{:20} {:>8} {:>12} {:>16} {:>14} {:>8} {:>12}",
+        "scene",
+        "shapes",
+        "document ms",
+        "first sample ms",
+        "other view ms",
+        "edit ms",
+        "picture"
+    );
     for scene in &arguments.scenes {
         let name = scene.to_string_lossy().into_owned();
         let text = match bench::built_in(&name) {
@@ -92,19 +103,31 @@ fn measure(arguments: &Arguments, name: &str, mut document: Document) -> Result<
     };
     show(&mut live, &request, &pictures)?;
     let shapes = request.scene.field.leaves().len();
-    let (mut reading, mut rendering, mut size) = (Vec::new(), Vec::new(), [0; 2]);
+    let mut times: [Vec<f64>; 4] = Default::default();
+    let mut size = [0; 2];
     for edit in 0..arguments.edits {
         let factor = if edit % 2 == 0 { 0.98 } else { 1.0 };
         let started = Instant::now();
         document.set(&path, &key, Value::Number(value * factor), Some(1)).map_err(Failure::other)?;
         request.scene = document.scene().map_err(Failure::other)?.clone();
-        reading.push(milliseconds(started));
+        let reading = milliseconds(started);
         let started = Instant::now();
         size = show(&mut live, &request, &pictures)?;
-        rendering.push(milliseconds(started));
+        let rendering = milliseconds(started);
+        let mut camera = request.settings.camera_of(&request.scene).clone();
+        camera.position[0] += 1e-3;
+        request.settings.viewpoint = Some(camera);
+        let started = Instant::now();
+        let of_view = show(&mut live, &request, &pictures)?;
+        let pixels = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
+        let viewing = milliseconds(started) * pixels(size) / pixels(of_view);
+        for (times, time) in times.iter_mut().zip([reading, rendering, viewing, reading + rendering - viewing]) {
+            times.push(time);
+        }
     }
-    let [reading, rendering] = [reading, rendering].map(|times| median(&times));
-    outln!("{name:20} {shapes:>8} {reading:>12.1} {rendering:>16.1} {:>12}", format!("{}x{}", size[0], size[1]));
+    let [reading, rendering, viewing, edit] = times.map(|times| median(&times));
+    let picture = format!("{}x{}", size[0], size[1]);
+    outln!("{name:20} {shapes:>8} {reading:>12.1} {rendering:>16.1} {viewing:>14.1} {edit:>8.1} {picture:>12}");
     Ok(())
 }
 

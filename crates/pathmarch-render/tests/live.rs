@@ -92,6 +92,28 @@ fn the_picture_equals_that_of_render_and_then_rests(backend: Backend) {
     assert!(bright.samples == 16.0 && sum(&bright) > sum(&shown));
 }
 
+/// A picture in motion has coarse shape grids, one at rest those of `render`.
+fn a_picture_of_many_shapes_at_rest_equals_that_of_render(backend: Backend) {
+    let balls: String = (0..64)
+        .map(|k| format!("sphere 0.3 {{ at {} {} {} }}\n", 0.5 * f64::from(k % 4), 0.5 * f64::from(k / 16), k / 4 % 4))
+        .collect();
+    let text = format!(
+        "pathmarch 1\ncamera {{ position 2 3 6; target 0.7 0.7 0.7 }}\nsky 1\nobject \"balls\" {{ union smooth=0.1 {{ {balls} }} }}"
+    );
+    let scene = Arc::new(parse(&text));
+    let request = request(&scene, [96, 54], 4);
+    let mut live = Live::new(backend, None, || {});
+    let number = live.show(RenderRequest { moving: true, ..request.clone() });
+    until(&live, "a picture in motion", |shown, status| shown.request == number && renders_on(backend, status));
+    let number = live.show(request.clone());
+    until(&live, "the whole picture", |shown, status| {
+        shown.request == number && shown.samples == 4.0 && status.resting && renders_on(backend, status)
+    });
+    let (film, _) = live.film().recv().expect("an answer").expect("a film");
+    let expected = Renderer::open(backend, None).expect("a backend").render(&scene, &request.settings).expect("a film");
+    assert!(film == expected, "{backend:?}: the films differ");
+}
+
 fn an_automatic_exposure_is_that_of_the_film_at_rest(backend: Backend) {
     let scene = scene();
     let fixed = request(&scene, [96, 54], 12);
@@ -274,6 +296,7 @@ tests! {
     plain: [an_invalid_request_is_reported_and_the_next_one_renders],
     for_each_backend: [
         the_picture_equals_that_of_render_and_then_rests,
+        a_picture_of_many_shapes_at_rest_equals_that_of_render,
         an_automatic_exposure_is_that_of_the_film_at_rest,
         a_moving_picture_is_small_and_grows_when_it_rests,
         lamps_keep_their_light_while_the_view_moves,

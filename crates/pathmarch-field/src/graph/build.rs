@@ -49,6 +49,7 @@ impl Field {
             singles: Vec::new(),
             analytic: Vec::new(),
             shape_grids: Vec::new(),
+            coarse_grids: false,
             bvh: Bvh::default(),
             mesh_instances: Bvh::default(),
             mesh_words: Arc::default(),

@@ -37,12 +37,23 @@ fn is_digits(text: &str, radix: u32) -> bool {
     text.starts_with(|c: char| c.is_digit(radix)) && text.chars().all(|c| c == '_' || c.is_digit(radix))
 }
 
+/// True for digits with at most one point between them, as most numbers are.
+fn is_plain(word: &[u8]) -> bool {
+    let is_digit = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_digit);
+    let point = word.iter().position(|byte| *byte == b'.').unwrap_or(word.len());
+    let mut digits = word.iter().enumerate().filter(|(index, _)| *index != point);
+    is_digit(word.first()) && is_digit(word.last()) && digits.all(|(_, byte)| byte.is_ascii_digit())
+}
+
 /// The number that a word spells: decimal with fraction and exponent, or `0x`, `0o`, `0b`; `None` if it spells none.
 pub(crate) fn number(word: &str) -> Option<f64> {
     let (sign, unsigned) = match word.strip_prefix('-') {
         Some(rest) => (-1.0, rest),
         None => (1.0, word.strip_prefix('+').unwrap_or(word)),
     };
+    if is_plain(unsigned.as_bytes()) {
+        return unsigned.parse::<f64>().ok().map(|value| sign * value);
+    }
     for (prefix, radix) in [("0x", 16), ("0o", 8), ("0b", 2)] {
         if let Some(digits) = unsigned.strip_prefix(prefix) {
             let value = digits.chars().filter_map(|c| c.to_digit(radix));

@@ -19,6 +19,10 @@
 //! own list alone, whoever asks first. Each root has a share of the cells and list entries that are allowed; if they do not
 //! suffice, it is built again with longer lists.
 //!
+//! **Motion.** A field in motion is evaluated a few times only. Its cells are [coarse](Field::with_coarse_grids): lists of four
+//! times the length, which are not pruned by parts of their cells. They are kept beside the fine ones: what is not
+//! in motion never evaluates them, so that its values do not depend on what was in motion before.
+//!
 //! **Edits.** Roots have one of eight sizes for each power of two, and their places are multiples of it, so that a small change of
 //! the bounds seldom moves them. After an edit, blocks of roots keep their roots' lists if their own lists are the same and no
 //! shape in them has changed, and roots keep their descendants likewise.
@@ -49,6 +53,8 @@ pub(crate) const SPLITS: [u32; 4] = [2, 1, 1, 1];
 pub(crate) const BITS: u32 = 5;
 /// Length up to which a list is not pruned further.
 const SHORT: usize = 4;
+/// Factor on that length in coarse cells.
+const COARSE: usize = 4;
 /// Distance from a surface, in half diagonals, from which a cell has no list.
 const FAR: f32 = 2.0;
 /// Largest number of cells, of all roots and that of each that is always allowed.
@@ -127,12 +133,12 @@ pub(crate) struct SparseGrid {
     negligible: f32,
     /// Distance behind the nearest shape beyond which blends leave nothing of a shape, metres.
     cutoff: f32,
-    /// Length up to which cells are not split, unless there would be too many.
+    /// Length up to which fine cells are not split.
     short: usize,
     /// Roots, x fastest.
     roots: Vec<Root>,
     /// Their cells, once they are built.
-    cells: Vec<OnceLock<Arc<RootCells>>>,
+    cells: Vec<BuiltCells>,
     /// Shapes that affect each block of roots, x fastest.
     blocks: Vec<Vec<u32>>,
     /// Length of all their lists together.
@@ -148,6 +154,13 @@ struct Root {
     block_length: usize,
     /// Distance of the union at its centre, metres.
     distance: f32,
+}
+
+/// Cells of a root, once they are built.
+#[derive(Debug, Default)]
+struct BuiltCells {
+    fine: OnceLock<Arc<RootCells>>,
+    coarse: OnceLock<Arc<RootCells>>,
 }
 
 /// Root cell and its descendants.
@@ -267,7 +280,7 @@ impl SparseGrid {
         roots.sort_unstable_by_key(|(index, _)| *index);
         grid.blocks = blocks;
         grid.roots = roots.into_iter().map(|(_, root)| root).collect();
-        grid.cells = grid.roots.iter().map(|_| OnceLock::new()).collect();
+        grid.cells = grid.roots.iter().map(|_| BuiltCells::default()).collect();
         grid.entries = grid.roots.iter().map(|root| root.list.len()).sum::<usize>().max(1);
         if let Some((before, changed)) = previous {
             grid.take_over(before, changed);
@@ -294,20 +307,33 @@ impl SparseGrid {
     /// Takes the descendants of those roots from an earlier grid of the same key that building them would repeat.
     fn take_over(&self, before: &Self, changed: &[bool]) {
         let is_within = |length: usize, root: &Root, most: [usize; 2]| length <= self.share(root, most);
-        let cells_before = &before.cells;
-        for (index, (root, before)) in self.roots.iter().zip(&before.roots).enumerate() {
-            let Some(cells) = cells_before[index].get() else { continue };
-            let is_same = root.list == before.list
-                && root.block_length == before.block_length
-                && root.distance == before.distance
-                && is_unchanged(&root.list, changed)
-                && cells.short == self.short
-                && is_within(cells.cells.len() - 1, root, MAX_CELLS)
-                && is_within(cells.lists.len(), root, MAX_ENTRIES);
-            if is_same {
-                self.cells[index].get_or_init(|| cells.clone());
+        for (index, (root, root_before)) in self.roots.iter().zip(&before.roots).enumerate() {
+            let is_same = root.list == root_before.list
+                && root.block_length == root_before.block_length
+                && root.distance == root_before.distance
+                && is_unchanged(&root.list, changed);
+            if !is_same {
+                continue;
+            }
+            let (cells, cells_before) = (&self.cells[index], &before.cells[index]);
+            for (cells, cells_before, is_coarse) in
+                [(&cells.fine, &cells_before.fine, false), (&cells.coarse, &cells_before.coarse, true)]
+            {
+                let serves = |cells: &RootCells| {
+                    cells.short == self.short(is_coarse)
+                        && is_within(cells.cells.len() - 1, root, MAX_CELLS)
+                        && is_within(cells.lists.len(), root, MAX_ENTRIES)
+                };
+                if let Some(before) = cells_before.get().filter(|before| serves(before)) {
+                    cells.get_or_init(|| before.clone());
+                }
             }
         }
+    }
+
+    /// Length up to which cells are not split, unless there would be too many.
+    fn short(&self, is_coarse: bool) -> usize {
+        if is_coarse { COARSE * self.short } else { self.short }
     }
 
     /// Share of a root in a largest number.
@@ -321,28 +347,34 @@ impl SparseGrid {
             |root: &Arc<RootCells>| size_of_val(&*root.cells) + size_of_val(&*root.far) + size_of_val(&*root.lists);
         let blocks: usize = self.blocks.iter().map(|list| size_of_val(&**list)).sum();
         let roots: usize = self.roots.iter().map(|root| size_of::<Root>() + size_of_val(&*root.list)).sum();
-        blocks + roots + self.cells.iter().filter_map(OnceLock::get).map(of_cells).sum::<usize>()
+        let built = self.cells.iter().flat_map(|cells| [&cells.fine, &cells.coarse]).filter_map(OnceLock::get);
+        blocks + roots + built.map(of_cells).sum::<usize>()
     }
 
     /// A root's cells, built on first use.
     fn root_cells(&self, field: &Field, shape_grid: &ShapeGrid, index: usize) -> &RootCells {
-        self.cells[index].get_or_init(|| {
-            let [nx, ny, _] = self.counts;
-            let number = index as u32;
-            let place = [number % nx, number / nx % ny, number / (nx * ny)];
-            Arc::new(self.build_root(field, shape_grid, place, &self.roots[index]))
-        })
+        let BuiltCells { fine, coarse } = &self.cells[index];
+        let build = |is_coarse| Arc::new(self.build_root(field, shape_grid, index, is_coarse));
+        match fine.get() {
+            Some(fine) => fine,
+            None if field.coarse_grids => coarse.get_or_init(|| build(true)),
+            None => fine.get_or_init(|| build(false)),
+        }
     }
 
     /// Builds the cells of a root, with longer lists if there would be more than its share.
-    fn build_root(&self, field: &Field, shape_grid: &ShapeGrid, place: [u32; 3], root: &Root) -> RootCells {
-        let mut short = self.short;
+    fn build_root(&self, field: &Field, shape_grid: &ShapeGrid, index: usize, is_coarse: bool) -> RootCells {
+        let root = &self.roots[index];
+        let ([nx, ny, _], number) = (self.counts, index as u32);
+        let place = [number % nx, number / nx % ny, number / (nx * ny)];
+        let mut short = self.short(is_coarse);
         loop {
             // Lists of all shapes cannot get longer.
             let is_unlimited = short >= root.list.len();
             let mut builder = RootBuilder {
                 pruner: Pruner::new(field, shape_grid, self, root.list.to_vec()),
                 short,
+                is_coarse,
                 max_cells: if is_unlimited { usize::MAX } else { self.share(root, MAX_CELLS) },
                 max_entries: if is_unlimited { usize::MAX } else { self.share(root, MAX_ENTRIES) },
                 cells: vec![PackedCell::new(PackedCell::NEAR, 0, 0)],
@@ -682,6 +714,8 @@ struct RootBuilder<'a> {
     pruner: Pruner<'a>,
     /// Length up to which cells are not split.
     short: usize,
+    /// Whether lists are pruned for whole cells only.
+    is_coarse: bool,
     max_cells: usize,
     max_entries: usize,
     cells: Vec<PackedCell>,
@@ -722,7 +756,9 @@ impl RootBuilder<'_> {
                 return self.split(place, level, list);
             }
         }
-        list = self.pruner.prune_by_octants(centre, edge, 2, list);
+        if !self.is_coarse {
+            list = self.pruner.prune_by_octants(centre, edge, 2, list);
+        }
         let list = &self.pruner.stack[list];
         // Neighbours often have the same list.
         if self.lists[self.last_list.clone()] != *list {

@@ -9,6 +9,7 @@ use crate::live::shared::lock;
 use crate::mode::Mode;
 use crate::preview_steps::PreviewSteps;
 use crate::reconstruct::Reconstruction;
+use crate::scene::RenderScene;
 use crate::settings::Settings;
 use pathmarch_scene::Camera;
 use std::sync::Arc;
@@ -56,7 +57,12 @@ fn is_reconstructed(request: &RenderRequest) -> bool {
 
 /// Input of a request with these settings.
 fn input_of(request: &RenderRequest, settings: &Settings) -> RenderInput {
-    let input = RenderInput::new(&request.scene, settings);
+    let scene = &request.scene;
+    let mut tables = RenderScene::new(scene, settings.camera_of(scene));
+    if request.moving {
+        tables.field = tables.field.with_coarse_grids();
+    }
+    let input = RenderInput::with_tables(tables, scene, settings);
     if is_reconstructed(request) { input.with_guides() } else { input }
 }
 
@@ -104,8 +110,11 @@ impl Engine {
         let settings = self.level_settings(&request);
         // A tracer either records guides or does not.
         let same_guides = old.as_ref().is_none_or(|old| is_reconstructed(old) == is_reconstructed(&request));
+        // What was in motion may be too coarse for a picture at rest.
+        let is_fine = |input: &RenderInput| request.moving || !input.scene.field.has_coarse_grids();
         let reframed = same_scene
             && same_guides
+            && self.input.as_ref().is_some_and(is_fine)
             && self.input.as_mut().is_some_and(|input| input.reframe(&request.scene, &settings));
         if reframed {
             return self.start_level();

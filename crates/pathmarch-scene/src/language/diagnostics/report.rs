@@ -45,7 +45,12 @@ impl Source {
             1 => '?',
             _ => char::REPLACEMENT_CHARACTER,
         };
-        let code = Arc::new(SourceText::new(name, text.chars().map(visible).collect()));
+        let visible = if text.is_ascii() && !text.bytes().any(|byte| is_forbidden(char::from(byte))) {
+            text.to_owned()
+        } else {
+            text.chars().map(visible).collect()
+        };
+        let code = Arc::new(SourceText::new(name, visible));
         Self { base, bytes: text.len() as u32, code }
     }
     /// Span within this text of a span among all texts.

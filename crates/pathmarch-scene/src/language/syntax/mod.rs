@@ -35,8 +35,11 @@ pub(super) struct Reader<'t, 'r> {
 pub(crate) fn read<'t>(text: &'t str, report: &mut Report) -> Option<Block<'t>> {
     let start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
     let mut reader = Reader { text, at: start, items: 0, stopped: false, commented_out: 0, report };
-    for (index, c) in text[start..].char_indices().filter(|(_, c)| is_forbidden(*c)) {
-        let index = start + index;
+    // Most texts have none of them.
+    let may_be_forbidden = |byte: u8| !byte.is_ascii() || is_forbidden(char::from(byte));
+    let first = text.bytes().skip(start).position(may_be_forbidden).map_or(text.len(), |index| start + index);
+    for (index, c) in text[first..].char_indices().filter(|(_, c)| is_forbidden(*c)) {
+        let index = first + index;
         reader.report.add(
             draft("pathmarch::syntax", Span::new(index, index + c.len_utf8()), "This character must not be in a file.")
                 .label(format!("U+{:04X}, which does not show", u32::from(c)))
@@ -109,7 +112,14 @@ impl<'t> Reader<'t, '_> {
     /// Consumes characters of a class, and returns them.
     fn take_while(&mut self, class: impl Fn(char) -> bool) -> &'t str {
         let rest = self.rest();
-        let taken = &rest[..rest.find(|c| !class(c)).unwrap_or(rest.len())];
+        // Bytes while they are characters.
+        let ascii = rest.bytes().position(|byte| !byte.is_ascii() || !class(char::from(byte))).unwrap_or(rest.len());
+        let taken = match rest.as_bytes().get(ascii) {
+            Some(byte) if !byte.is_ascii() => {
+                &rest[..rest[ascii..].find(|c| !class(c)).map_or(rest.len(), |end| ascii + end)]
+            }
+            _ => &rest[..ascii],
+        };
         self.at += taken.len();
         taken
     }
@@ -136,12 +146,10 @@ impl<'t> Reader<'t, '_> {
         let start = self.at;
         loop {
             self.take_while(|c| is_space(c) || is_forbidden(c));
-            if self.starts_with("/*") {
-                self.block_comment();
-            } else if self.starts_with("\\") {
-                self.line_join();
-            } else {
-                return self.at > start;
+            match self.text.as_bytes().get(self.at) {
+                Some(b'/') if self.starts_with("/*") => self.block_comment(),
+                Some(b'\\') => self.line_join(),
+                _ => return self.at > start,
             }
         }
     }
