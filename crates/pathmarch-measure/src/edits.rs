@@ -1,6 +1,7 @@
 //! `pathmarch-measure edits`: time from a changed number to the picture of the changed scene, as in the window.
 //!
-//! **Method.** The first number of the last shape is moved to and fro, as by a slider. *Document* is the time until the
+//! **Method.** The first number of the last shape is moved to and fro, as by a slider; a scene in motion goes on by a frame
+//! instead. *Document* is the time until the
 //! text is changed and read, *first sample* the time from there to the first picture of a live renderer, whose size that
 //! renderer chooses for a picture that moves. *Other view* is the time to the first picture after a movement of the camera
 //! instead, for the same number of pixels. What an edit takes beyond that is what the edit costs: *edit* is document and first
@@ -10,6 +11,7 @@ use crate::bench;
 use crate::measure::median;
 use pathmarch_cli::{BackendArgument, DONE, Failure, outln, value_parsers};
 use pathmarch_render::live::{Live, RenderRequest};
+use pathmarch_render::pathmarch_scene::Moment;
 use pathmarch_render::pathmarch_scene::document::{Document, Item, Path as NodePath, Value};
 use pathmarch_render::reconstruct::ReconstructOptions;
 use pathmarch_render::tonemap::Display;
@@ -83,9 +85,11 @@ fn number_of_last_shape(document: &Document) -> Option<(NodePath, String, f32)> 
 
 fn measure(arguments: &Arguments, name: &str, mut document: Document) -> Result<(), Failure> {
     let scene = document.scene().map_err(Failure::other)?.clone();
-    let Some((path, key, value)) = number_of_last_shape(&document) else {
-        return Err(Failure::Usage(format!("{name}: no shape with a number")));
-    };
+    let number = number_of_last_shape(&document);
+    if number.is_none() && !scene.animated {
+        return Err(Failure::Usage(format!("{name}: no shape with a number, and nothing moves")));
+    }
+    let fps = scene.render.fps;
     let backend = Backend::from(arguments.backend);
     let (sender, pictures) = channel();
     let mut live = Live::new(backend, None, move || {
@@ -108,7 +112,12 @@ fn measure(arguments: &Arguments, name: &str, mut document: Document) -> Result<
     for edit in 0..arguments.edits {
         let factor = if edit % 2 == 0 { 0.98 } else { 1.0 };
         let started = Instant::now();
-        document.set(&path, &key, Value::Number(value * factor), Some(1)).map_err(Failure::other)?;
+        match &number {
+            Some((path, key, value)) if !request.scene.animated => {
+                document.set(path, key, Value::Number(value * factor), Some(1)).map_err(Failure::other)?;
+            }
+            _ => document.set_moment(Moment::of_frame(edit + 1, fps)),
+        }
         request.scene = document.scene().map_err(Failure::other)?.clone();
         let reading = milliseconds(started);
         let started = Instant::now();

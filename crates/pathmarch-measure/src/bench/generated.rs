@@ -17,11 +17,12 @@ impl Generated {
     }
 }
 
-/// All generated scenes: grids of shapes in one smooth union, and light sources over a floor with three solids, also in fog.
-pub static ALL: [Generated; 8] = [
+/// All generated scenes: grids of shapes in one smooth union, at rest and in motion, and light sources over a floor with three solids, also in fog.
+pub static ALL: [Generated; 9] = [
     Generated { name: "union-100", text: || union(5, 5, 4) },
     Generated { name: "union-1000", text: || union(10, 10, 10) },
     Generated { name: "union-10000", text: || union(25, 20, 20) },
+    Generated { name: "moving-10000", text: || moving(25, 20, 20) },
     Generated { name: "lights-64", text: || lights(8, 8) },
     Generated { name: "lights-1000", text: || lights(25, 40) },
     Generated { name: "lights-10000", text: || lights(100, 100) },
@@ -67,19 +68,9 @@ fn union(across: u32, up: u32, deep: u32) -> String {
         "rounded-box 0.7 0.5 0.6 0.1",
     ];
     let mut rng = SplitMix64(1);
-    let [x, y, z] = [across, up, deep].map(|count| count as f32);
-    let mut text = format!(
-        "pathmarch 1\ncamera {{ position {:.3} {:.3} {:.3}; target 0 0 0; fov 40 }}\nsky 0.6 0.7 0.8\n\
-         sun {{ direction 0.5 0.8 0.6; irradiance 2.5; angle 2 }}\nmaterial \"clay\" {{ diffuse 0.7 0.5 0.4 }}\n\
-         object \"grid\" material=\"clay\" {{\n    union smooth=0.15 {{\n",
-        1.1 * x,
-        0.8 * y,
-        1.6 * z
-    );
-    for index in 0..across * up * deep {
-        let [i, j, k] = [index % across, index / across % up, index / (across * up)].map(|place| place as f32 + 0.5);
+    union_of([across, up, deep], |text, _, at| {
         let mut jitter = || rng.between(-0.1, 0.1);
-        let at = [i - x / 2.0 + jitter(), j - y / 2.0 + jitter(), k - z / 2.0 + jitter()];
+        let at = at.map(|at| at + jitter());
         let rotate = [0; 3].map(|_| rng.between(0.0, 360.0));
         let shape = SHAPES[(rng.next() * SHAPES.len() as f32) as usize];
         writeln!(
@@ -88,6 +79,32 @@ fn union(across: u32, up: u32, deep: u32) -> String {
             at[0], at[1], at[2], rotate[0], rotate[1], rotate[2]
         )
         .expect("writing to a string");
+    })
+}
+
+/// Balls on a grid with a spacing of 1 m, each at a height of its own formula.
+fn moving(across: u32, up: u32, deep: u32) -> String {
+    union_of([across, up, deep], |text, index, [x, y, z]| {
+        writeln!(text, "        sphere 0.4 {{ at {x} \"{y} + 0.2 * sin(2 * t + {})\" {z} }}", index % 97)
+            .expect("writing to a string");
+    })
+}
+
+/// One smooth union of shapes on a grid with a spacing of 1 m, each written from its index and place.
+fn union_of([across, up, deep]: [u32; 3], mut write_shape: impl FnMut(&mut String, u32, [f32; 3])) -> String {
+    let size = [across, up, deep].map(|count| count as f32);
+    let mut text = format!(
+        "pathmarch 1\ncamera {{ position {:.3} {:.3} {:.3}; target 0 0 0; fov 40 }}\nsky 0.6 0.7 0.8\n\
+         sun {{ direction 0.5 0.8 0.6; irradiance 2.5; angle 2 }}\nmaterial \"clay\" {{ diffuse 0.7 0.5 0.4 }}\n\
+         object \"grid\" material=\"clay\" {{\n    union smooth=0.15 {{\n",
+        1.1 * size[0],
+        0.8 * size[1],
+        1.6 * size[2]
+    );
+    for index in 0..across * up * deep {
+        let place = [index % across, index / across % up, index / (across * up)];
+        let at = std::array::from_fn(|k| place[k] as f32 + 0.5 - size[k] / 2.0);
+        write_shape(&mut text, index, at);
     }
     text + "    }\n}\n"
 }

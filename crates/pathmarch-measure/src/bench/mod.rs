@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Scenes to measure [default: default]
     ///
     /// Scene files, directories, examples of the gallery by name, generated scenes (union-100, union-1000, union-10000,
-    /// lights-64, lights-1000, lights-10000, foggy-lights-64, foggy-lights-1000), or sets of scenes:
+    /// moving-10000, lights-64, lights-1000, lights-10000, foggy-lights-64, foggy-lights-1000), or sets of scenes:
     /// default: the thesis's, fractals, a repeated field, glass, a Cornell box, 64 lights, unions of 1,000 and 10,000
     /// shapes.
     /// thesis: all scenes after the figures of the thesis.

@@ -119,7 +119,7 @@ fn unknown(name: &str) -> Failure {
     let meant = meant.map(|nearest| format!("; did you mean {nearest}?")).unwrap_or_default();
     Failure::Usage(format!(
         "{name}: no such file, directory, example (of the gallery, union-100, union-1000, \
-         union-10000, lights-64, lights-1000, lights-10000, foggy-lights-64, foggy-lights-1000) \
+         union-10000, moving-10000, lights-64, lights-1000, lights-10000, foggy-lights-64, foggy-lights-1000) \
          or set (default, thesis, quality){meant}"
     ))
 }

@@ -1,28 +1,40 @@
 //! Classes of characters and the form of numbers in KDL 2 (<https://kdl.dev/spec>).
 
 /// Characters that end a line. (CR LF counts as two, which makes no difference here.)
-pub(crate) fn is_newline(c: char) -> bool {
+pub(crate) const fn is_newline(c: char) -> bool {
     matches!(c, '\r' | '\n' | '\u{85}' | '\u{b}' | '\u{c}' | '\u{2028}' | '\u{2029}')
 }
 
 /// Characters of white space within a line.
-pub(crate) fn is_space(c: char) -> bool {
+pub(crate) const fn is_space(c: char) -> bool {
     matches!(c, '\t' | ' ' | '\u{a0}' | '\u{1680}' | '\u{2000}'..='\u{200a}' | '\u{202f}' | '\u{205f}' | '\u{3000}')
 }
 
 /// Characters that no file may contain: control characters, direction overrides, byte order marks inside the text.
-pub(crate) fn is_forbidden(c: char) -> bool {
+pub(crate) const fn is_forbidden(c: char) -> bool {
     matches!(c,
         '\0'..='\u{8}' | '\u{e}'..='\u{1f}' | '\u{7f}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}'
         | '\u{2066}'..='\u{2069}' | '\u{feff}')
 }
 
 /// Characters of bare words.
+#[inline]
 pub(crate) fn is_word(c: char) -> bool {
-    !matches!(c, '\\' | '/' | '(' | ')' | '{' | '}' | '[' | ']' | ';' | '"' | '#' | '=')
-        && !is_space(c)
-        && !is_newline(c)
-        && !is_forbidden(c)
+    const ASCII: [bool; 128] = {
+        let mut table = [false; 128];
+        let mut code = 0;
+        while code < 128 {
+            let c = code as u8 as char;
+            let ends_words = matches!(c, '\\' | '/' | '(' | ')' | '{' | '}' | '[' | ']' | ';' | '"' | '#' | '=');
+            table[code] = !(ends_words || is_space(c) || is_newline(c) || is_forbidden(c));
+            code += 1;
+        }
+        table
+    };
+    match ASCII.get(c as usize) {
+        Some(is_word) => *is_word,
+        None => !(is_space(c) || is_newline(c) || is_forbidden(c)),
+    }
 }
 
 /// True for a word that starts like a number.

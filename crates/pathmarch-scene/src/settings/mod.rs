@@ -33,6 +33,7 @@ pub use render::{
     Tonemap,
 };
 pub use sky::{DAY, DAY_GROUND, GRADIENT, PICTURE, SKY_FORMS};
+use std::fmt;
 pub use visibility::VISIBILITY;
 
 /// Names of the render settings that only scenes in motion use.
@@ -168,11 +169,11 @@ impl Setting {
         Self { label, ..self }
     }
     /// Usage in the scene language, as in "`at x y z`".
-    pub fn usage(&self) -> String {
-        match self.kind {
-            SettingKind::Triple { .. } | SettingKind::Direction { .. } => format!("`{} x y z`", self.name),
-            _ => format!("`{}`", self.example),
-        }
+    pub fn usage(&self) -> impl fmt::Display {
+        fmt::from_fn(|f| match self.kind {
+            SettingKind::Triple { .. } | SettingKind::Direction { .. } => write!(f, "`{} x y z`", self.name),
+            _ => write!(f, "`{}`", self.example),
+        })
     }
 }
 

@@ -4,6 +4,7 @@ use super::context::Context;
 use crate::language::diagnostics::report::{Draft, draft, shown};
 use crate::language::diagnostics::spelling::suggestion;
 use crate::language::tree::{Entry, Node, Span, Value};
+use std::fmt::Display;
 
 fn described(value: &Value) -> &'static str {
     match value {
@@ -82,7 +83,12 @@ pub(crate) fn twice(what: &str, second: Span, first: Span, context: &mut Context
 }
 
 /// The arguments, of which at most `most` are allowed; `usage` is as in "`fov 40`".
-pub(crate) fn arguments<'n>(node: &'n Node, most: usize, usage: &str, context: &mut Context) -> Vec<&'n Entry<'n>> {
+pub(crate) fn arguments<'n>(
+    node: &'n Node,
+    most: usize,
+    usage: impl Display,
+    context: &mut Context,
+) -> Vec<&'n Entry<'n>> {
     let mut arguments: Vec<&Entry> = node.entries.iter().filter(|entry| entry.name.is_none()).collect();
     if arguments.len() > most {
         let extra = arguments[most].span.to(arguments[arguments.len() - 1].span);
@@ -108,7 +114,7 @@ pub(crate) fn no_children(node: &Node, context: &mut Context) {
 }
 
 /// Reports too few arguments.
-pub(crate) fn missing_arguments(node: &Node, usage: &str, context: &mut Context) {
+pub(crate) fn missing_arguments(node: &Node, usage: impl Display, context: &mut Context) {
     let message = format!("`{}` has too few arguments.", node.name.value);
     let mistake = draft("pathmarch::missing_argument", node.span(), message).label(format!("expected {usage}"));
     context.report.add(mistake);
@@ -117,14 +123,14 @@ pub(crate) fn missing_arguments(node: &Node, usage: &str, context: &mut Context)
 /// Exactly `K` arguments and nothing else, each as `read` reads it; it is given the name of what it reads.
 pub(super) fn exactly<const K: usize, T>(
     node: &Node,
-    usage: &str,
+    usage: impl Display,
     context: &mut Context,
     read: impl Fn(&Entry, &str, &mut Context) -> Option<T>,
 ) -> Option<[T; K]> {
     let what = format!("`{}`", node.name.value);
     properties(node, &[], context);
     no_children(node, context);
-    let entries = arguments(node, K, usage, context);
+    let entries = arguments(node, K, &usage, context);
     let values: Vec<Option<T>> = entries.iter().map(|entry| read(entry, &what, context)).collect();
     if values.len() < K {
         missing_arguments(node, usage, context);

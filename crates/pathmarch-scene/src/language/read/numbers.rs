@@ -8,6 +8,7 @@ use crate::language::formulas::expression::{self, Expression, MAX_DEPTH, MAX_LEN
 use crate::language::formulas::scope::Evaluated;
 use crate::language::tree::{Entry, Node, Span, Value};
 use crate::settings::Range;
+use std::fmt::Display;
 
 /// Number of an entry, given as such or as a formula: not rounded, perhaps not finite.
 fn evaluated(entry: &Entry, what: &str, context: &mut Context) -> Option<Evaluated> {
@@ -165,7 +166,7 @@ pub(crate) fn whole(entry: &Entry, what: &str, (min, max): (u32, u32), context: 
 /// Exactly `K` numbers and nothing else; `usage` is as in "`at x y z`".
 pub(crate) fn numbers<const K: usize>(
     node: &Node,
-    usage: &str,
+    usage: impl Display,
     range: Range,
     context: &mut Context,
 ) -> Option<[f32; K]> {
@@ -175,7 +176,7 @@ pub(crate) fn numbers<const K: usize>(
 /// Exactly `K` whole numbers and nothing else.
 pub(crate) fn whole_numbers<const K: usize>(
     node: &Node,
-    usage: &str,
+    usage: impl Display,
     range: (u32, u32),
     context: &mut Context,
 ) -> Option<[u32; K]> {
@@ -185,7 +186,7 @@ pub(crate) fn whole_numbers<const K: usize>(
 /// Three numbers that are not all zero, of length one.
 pub(crate) fn direction(node: &Node, context: &mut Context) -> Option<[f32; 3]> {
     let name = &node.name.value;
-    let value: [f32; 3] = numbers(node, &format!("`{name} x y z`"), Range::ANY, context)?;
+    let value: [f32; 3] = numbers(node, format_args!("`{name} x y z`"), Range::ANY, context)?;
     // In f64, where no finite f32 is too large or too small to be squared.
     let unit = glam::DVec3::from_array(value.map(f64::from)).try_normalize();
     if unit.is_none() {

@@ -8,6 +8,7 @@ use crate::language::keywords::{AXES, POINT};
 use crate::language::tree::{Entry, Node};
 use pathmarch_field::Outline;
 use pathmarch_field::{Param, Solid, Unit};
+use std::fmt;
 
 /// The numbers of a shape or an operator: arguments in order, or by name; one size for several where it allows it.
 pub(super) fn numbers(solid: Solid, node: &Node, named: &[(&str, &Entry)], context: &mut Context) -> Vec<f32> {
@@ -15,7 +16,7 @@ pub(super) fn numbers(solid: Solid, node: &Node, named: &[(&str, &Entry)], conte
     let sizes = solid.info().size_params;
     // The argument of a text is its words, that of a path its notation.
     let is_text = solid.info().outline.is_some_and(Outline::has_string);
-    let entries = if is_text { Vec::new() } else { arguments(node, all.len(), &usage(solid), context) };
+    let entries = if is_text { Vec::new() } else { arguments(node, all.len(), usage(solid), context) };
     let mut given: Vec<Option<&Entry>> = vec![None; all.len()];
     let size_named = named.iter().any(|(name, _)| all[..sizes].iter().any(|param| param.name == *name));
     let one_size = sizes > 1 && !size_named && (1..sizes).contains(&entries.len());
@@ -66,21 +67,22 @@ pub(super) fn number(param: &Param, entry: &Entry, context: &mut Context) -> Opt
 }
 
 /// As in "`box x y z`".
-fn usage(solid: Solid) -> String {
-    let info = solid.info();
-    if info.outline == Some(Outline::Points) {
-        return format!("`{} {{ {POINT} x y; … }}`", info.name);
-    }
-    if info.outline == Some(Outline::Curve) {
-        return format!("`{} width {{ {POINT} x y; … }}`", info.name);
-    }
-    let names: Vec<&str> =
-        std::iter::once(&*info.name).chain(solid.params().iter().map(|param| &*param.name)).collect();
-    match info.size_params {
-        0 | 1 => format!("`{}`", names.join(" ")),
-        sizes => {
-            let one: Vec<&str> = [&*info.name, "size"].into_iter().chain(names[1 + sizes..].iter().copied()).collect();
-            format!("`{}` or `{}`", names.join(" "), one.join(" "))
+fn usage(solid: Solid) -> impl fmt::Display {
+    fmt::from_fn(move |f| {
+        let info = solid.info();
+        match info.outline {
+            Some(Outline::Points) => return write!(f, "`{} {{ {POINT} x y; … }}`", info.name),
+            Some(Outline::Curve) => return write!(f, "`{} width {{ {POINT} x y; … }}`", info.name),
+            _ => {}
         }
-    }
+        let names: Vec<&str> =
+            std::iter::once(&*info.name).chain(solid.params().iter().map(|param| &*param.name)).collect();
+        write!(f, "`{}`", names.join(" "))?;
+        if info.size_params > 1 {
+            let one: Vec<&str> =
+                [&*info.name, "size"].into_iter().chain(names[1 + info.size_params..].iter().copied()).collect();
+            write!(f, " or `{}`", one.join(" "))?;
+        }
+        Ok(())
+    })
 }

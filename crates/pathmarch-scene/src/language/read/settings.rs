@@ -70,13 +70,13 @@ impl<'n> NodesByName<'n> {
 pub(super) fn triple(node: &Node, setting: &Setting, context: &mut Context) -> Option<[f32; 3]> {
     match setting.kind {
         SettingKind::Direction { .. } => direction(node, context),
-        _ => numbers(node, &setting.usage(), Range::ANY, context),
+        _ => numbers(node, setting.usage(), Range::ANY, context),
     }
 }
 
 /// Reads the number of a node; `None` after a mistake.
 pub(super) fn single(node: &Node, setting: &Setting, context: &mut Context) -> Option<f32> {
-    numbers(node, &setting.usage(), setting.kind.range(), context).map(|[number]| number)
+    numbers(node, setting.usage(), setting.kind.range(), context).map(|[number]| number)
 }
 
 /// Settings that are nodes in braces. A value is the default if its node is absent, and `None` after a mistake, which
@@ -153,11 +153,11 @@ impl<'n> Braces<'n> {
         Some(match setting.kind {
             SettingKind::Number { .. } => SettingValue::Number(single(node, setting, context)?),
             SettingKind::Whole { range, .. } => {
-                let [number] = whole_numbers(node, &setting.usage(), range, context)?;
+                let [number] = whole_numbers(node, setting.usage(), range, context)?;
                 SettingValue::Whole(number)
             }
             SettingKind::Size { range, .. } => {
-                SettingValue::Size(whole_numbers::<2>(node, &setting.usage(), range, context)?.into())
+                SettingValue::Size(whole_numbers::<2>(node, setting.usage(), range, context)?.into())
             }
             SettingKind::Choice { noun, names } => SettingValue::Choice(choice(node, noun, &names(), context)?),
             _ => return None,
