@@ -156,7 +156,13 @@ impl RenderInput {
 
     /// Lets pixels share light if the settings ask for it, or if the picture then converges sooner than with several indirect
     /// samples; a connection costs as much as this number of rays.
-    fn choose_path_reuse(&mut self, settings: &Settings, samples: u32, best: &BestCounts, connection_cost: f64) {
+    pub(crate) fn choose_path_reuse(
+        &mut self,
+        settings: &Settings,
+        samples: u32,
+        best: &BestCounts,
+        connection_cost: f64,
+    ) {
         let is_possible = self.mode == Mode::Path
             && settings.crop.is_none()
             && settings.clamp.is_none()
