@@ -62,7 +62,7 @@ fn previews_are_about_as_bright_as_pictures() {
         }
         let [traced, preview] = [Mode::Path, Mode::Preview].map(|mode| {
             let samples = if mode == Mode::Path { 32 } else { 2 };
-            let settings = Settings { size: [64, 36], samples, mode, ..Settings::of(&scene) };
+            let settings = Settings { size: [96, 54], samples, mode, ..Settings::of(&scene) };
             let camera = &scene.cameras[0];
             let display = Display { tonemap: scene.render.tonemap, exposure_stops: camera.exposure };
             let picture = render(&renderer, &scene, &settings).mean();
