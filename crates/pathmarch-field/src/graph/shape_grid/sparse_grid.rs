@@ -20,8 +20,8 @@
 //! suffice, it is built again with longer lists.
 //!
 //! **Motion.** A field in motion is evaluated a few times only. Its cells are [coarse](Field::with_coarse_grids): lists of four
-//! times the length, which are not pruned by parts of their cells. They are kept beside the fine ones: what is not
-//! in motion never evaluates them, so that its values do not depend on what was in motion before.
+//! times the length, without the last pruning, by the parts of their cells. They are kept beside the fine ones: what is not in
+//! motion never evaluates them, so that its values do not depend on what was in motion before.
 //!
 //! **Edits.** Roots have one of eight sizes for each power of two, and their places are multiples of it, so that a small change of
 //! the bounds seldom moves them. After an edit, blocks of roots keep their roots' lists if their own lists are the same and no
@@ -275,10 +275,12 @@ impl SparseGrid {
             blocks
         };
         let blocks: Vec<_> = places.par_chunks(8).enumerate().flat_map_iter(blocks_of).collect();
-        let (blocks, roots): (Vec<Vec<u32>>, Vec<Vec<(usize, Root)>>) = blocks.into_iter().unzip();
-        let mut roots: Vec<(usize, Root)> = roots.into_iter().flatten().collect();
+        let mut roots = Vec::new();
+        for (shapes, of_block) in blocks {
+            grid.blocks.push(shapes);
+            roots.extend(of_block);
+        }
         roots.sort_unstable_by_key(|(index, _)| *index);
-        grid.blocks = blocks;
         grid.roots = roots.into_iter().map(|(_, root)| root).collect();
         grid.cells = grid.roots.iter().map(|_| BuiltCells::default()).collect();
         grid.entries = grid.roots.iter().map(|root| root.list.len()).sum::<usize>().max(1);
@@ -714,7 +716,7 @@ struct RootBuilder<'a> {
     pruner: Pruner<'a>,
     /// Length up to which cells are not split.
     short: usize,
-    /// Whether lists are pruned for whole cells only.
+    /// Whether the last pruning of a list, by the parts of its cell, is left out.
     is_coarse: bool,
     max_cells: usize,
     max_entries: usize,

@@ -215,7 +215,7 @@ pub(crate) fn given_entries<'n>(
     named: Vec<(&'n str, &'n Entry<'n>)>,
     context: &mut Context,
 ) -> Vec<(&'n str, &'n Entry<'n>)> {
-    let entries = arguments(node, declaration.params.len(), &declaration.usage(), context);
+    let entries = arguments(node, declaration.params.len(), declaration.usage(), context);
     let mut all: Vec<_> = declaration.params.iter().copied().zip(entries).collect();
     for (name, entry) in named {
         match all.iter().find(|(other, _)| *other == name) {

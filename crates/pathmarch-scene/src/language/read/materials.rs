@@ -101,7 +101,7 @@ fn describe(node: &Node, files: &mut Files, context: &mut Context) -> Option<Mat
         }
     }
     if kind.params.is_empty() {
-        arguments(kind_node, 0, &format!("`{}`", kind.name), context);
+        arguments(kind_node, 0, format_args!("`{}`", kind.name), context);
     }
     warn_without_effect(&material, &settings, context);
     material.orbit_trap = settings.get(ORBIT_TRAP).and_then(|node| orbit_trap(node, context));

@@ -114,7 +114,8 @@ fn spline_point(node: &Node, context: &mut Context) -> Option<SplinePoint> {
 /// The arcs of a path; none after a mistake.
 pub(super) fn path(node: &Node, width: f32, context: &mut Context) -> Vec<f32> {
     let name = &node.name.value;
-    let Some(given) = arguments(node, 1, &format!("`{name} \"M 0 0 L 1 0 …\" width=0.02`"), context).first().copied()
+    let Some(given) =
+        arguments(node, 1, format_args!("`{name} \"M 0 0 L 1 0 …\" width=0.02`"), context).first().copied()
     else {
         return Vec::new();
     };
@@ -156,7 +157,8 @@ fn arcs(curves: &[outline::Cubic], width: f32, fill: Fill, node: &Node, context:
 /// The segments of a text for a size of one metre; none after a mistake.
 pub(super) fn text(node: &Node, font: Option<&Entry>, files: &mut Files, context: &mut Context) -> Vec<f32> {
     let name = &node.name.value;
-    let given = arguments(node, 1, &format!("`{name} \"Hello\" size=1 font=\"path.ttf\"`"), context).first().copied();
+    let given =
+        arguments(node, 1, format_args!("`{name} \"Hello\" size=1 font=\"path.ttf\"`"), context).first().copied();
     let words = given.map_or(Some(DEFAULT_TEXT), |entry| string(entry, &format!("`{name}`"), context));
     let loaded = match font {
         None => None,

@@ -89,7 +89,7 @@ pub(super) fn texture(
     }
     let pattern = match kind {
         Some(kind) => {
-            arguments(node, 0, &format!("`{}`, with its numbers by name", kind.name), context);
+            arguments(node, 0, format_args!("`{}`, with its numbers by name", kind.name), context);
             Pattern::Computed { kind, parameters: values }
         }
         None => {

@@ -351,7 +351,7 @@ impl<'m> Solids<'m> {
         let own = named.iter().position(|(name, _)| *name == MATERIAL).map(|at| named.swap_remove(at).1);
         let material = own.map(|entry| self.material(entry, context)).or(material);
         let smooth = if operator.blends() {
-            arguments(node, 0, &format!("`{name} smooth=0.1 {{ … }}`"), context);
+            arguments(node, 0, format_args!("`{name} smooth=0.1 {{ … }}`"), context);
             blend(&named, context)
         } else {
             numbers(Solid::Operator(operator), node, &named, context).first().map(|&amount| amount.into())
