@@ -121,6 +121,23 @@ fn mixed_grids() -> Vec<(String, Vec<Node>)> {
     all
 }
 
+/// Small shapes in a large cube, which seldom touch.
+fn small_shapes(random: &mut Random, count: usize) -> Vec<Node> {
+    let mut nodes = shapes(random, count, 8.0);
+    for node in &mut nodes {
+        node.placement.scale = Some(0.3);
+    }
+    nodes
+}
+
+/// Blend of small shapes.
+const NARROW: Option<Blend> = Some(Blend { amount: 0.05, profile: BlendProfile::Soft, steps: 3.0 });
+
+/// Distances from points, to the bit.
+fn distances(field: &Field, points: &[Vec3<f32>]) -> Vec<u32> {
+    points.iter().map(|&p| field.sphere_traced_distance(p, RayKind::Secondary).to_bits()).collect()
+}
+
 /// A field whose shape grids are fine, and the same with coarse ones.
 fn fine_and_coarse(objects: &[Node]) -> [Field; 2] {
     [Field::new(objects), Field::new(objects).with_coarse_grids()]
@@ -200,16 +217,10 @@ fn the_code_of_a_grid_does_not_grow_with_it() {
 #[test]
 fn after_an_edit_a_grid_shares_what_is_unchanged_and_is_that_of_the_new_shapes() {
     let mut random = Random::new(11);
-    let mut children = shapes(&mut random, 1000, 8.0);
-    for node in &mut children {
-        node.placement.scale = Some(0.3);
-    }
-    let blend = Some(Blend { amount: 0.05, profile: BlendProfile::Soft, steps: 3.0 });
-    let field_of = |children: &[Node]| Field::new(&[union(children.to_vec(), blend)]);
+    let mut children = small_shapes(&mut random, 1000);
+    let field_of = |children: &[Node]| Field::new(&[union(children.to_vec(), NARROW)]);
     let points: Vec<_> = (0..4000).map(|_| random.point(Aabb::centred(8.0, 8.0, 8.0))).collect();
-    let distances = |field: &Field| -> Vec<u32> {
-        points.iter().map(|&p| field.sphere_traced_distance(p, RayKind::Secondary).to_bits()).collect()
-    };
+    let distances = |field: &Field| distances(field, &points);
     let first = field_of(&children);
     let distances_before = distances(&first);
     let whole = first.shape_grid_bytes();
@@ -238,16 +249,10 @@ fn after_an_edit_a_grid_shares_what_is_unchanged_and_is_that_of_the_new_shapes()
 #[test]
 fn coarse_cells_are_kept_apart_from_fine_ones() {
     let mut random = Random::new(5);
-    let mut children = shapes(&mut random, 1000, 8.0);
-    for node in &mut children {
-        node.placement.scale = Some(0.3);
-    }
-    let blend = Some(Blend { amount: 0.05, profile: BlendProfile::Soft, steps: 3.0 });
+    let mut children = small_shapes(&mut random, 1000);
     let points: Vec<_> = (0..2000).map(|_| random.point(Aabb::centred(8.0, 8.0, 8.0))).collect();
-    let distances = |field: &Field| -> Vec<u32> {
-        points.iter().map(|&p| field.sphere_traced_distance(p, RayKind::Secondary).to_bits()).collect()
-    };
-    let [fine, fresh] = [(); 2].map(|()| Field::new(&[union(children.clone(), blend)]));
+    let distances = |field: &Field| distances(field, &points);
+    let [fine, fresh] = [(); 2].map(|()| Field::new(&[union(children.clone(), NARROW)]));
     let coarse = fine.clone().with_coarse_grids();
     let coarse_distances = distances(&coarse);
     let coarse_bytes = coarse.shape_grid_bytes();
@@ -261,36 +266,30 @@ fn coarse_cells_are_kept_apart_from_fine_ones() {
     if let Some(at) = &mut children[500].placement.at {
         at[1] += 0.2;
     }
-    let mut edited = Field::new(&[union(children.clone(), blend)]);
+    let mut edited = Field::new(&[union(children.clone(), NARROW)]);
     edited.follow(&coarse);
     let moved = edited.clone().with_coarse_grids();
     distances(&moved);
-    assert_eq!(distances(&edited), distances(&Field::new(&[union(children, blend)])));
+    assert_eq!(distances(&edited), distances(&Field::new(&[union(children, NARROW)])));
 }
 
 #[test]
 fn after_an_edit_of_an_odd_child_a_grid_shares_what_is_unchanged() {
     let mut random = Random::new(12);
-    let mut children = shapes(&mut random, 600, 8.0);
-    for node in &mut children {
-        node.placement.scale = Some(0.3);
-    }
+    let mut children = small_shapes(&mut random, 600);
     children[17].placement.at = Some([0.0, -1.0, 0.0]);
     let odd = |at: f32, radius: f32| {
         let ball = single("sphere", vec![radius], [at, 0.3, 0.0]);
         modified("twist", &[], vec![combined("subtract", None, vec![single("box", vec![1.5; 3], [0.0; 3]), ball])])
     };
-    let blend = Some(Blend { amount: 0.05, profile: BlendProfile::Soft, steps: 3.0 });
     let field_of = |children: &[Node], odd: Node| {
         let mut children = children.to_vec();
         children.insert(300, odd);
-        Field::new(&[modified("shell", &[0.02], vec![union(children, blend)])])
+        Field::new(&[modified("shell", &[0.02], vec![union(children, NARROW)])])
     };
     let sizes = (0..4000).map(|k| if k % 4 == 0 { 1.2 } else { 8.0 });
     let points: Vec<_> = sizes.map(|size| random.point(Aabb::centred(size, size, size))).collect();
-    let distances = |field: &Field| -> Vec<u32> {
-        points.iter().map(|&p| field.sphere_traced_distance(p, RayKind::Secondary).to_bits()).collect()
-    };
+    let distances = |field: &Field| distances(field, &points);
     let first = field_of(&children, odd(0.0, 0.9));
     let distances_before = distances(&first);
     let whole = first.shape_grid_bytes();

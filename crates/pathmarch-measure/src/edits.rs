@@ -1,11 +1,10 @@
 //! `pathmarch-measure edits`: time from a changed number to the picture of the changed scene, as in the window.
 //!
 //! **Method.** The first number of the last shape is moved to and fro, as by a slider; a scene in motion goes on by a frame
-//! instead. *Document* is the time until the
-//! text is changed and read, *first sample* the time from there to the first picture of a live renderer, whose size that
-//! renderer chooses for a picture that moves. *Other view* is the time to the first picture after a movement of the camera
-//! instead, for the same number of pixels. What an edit takes beyond that is what the edit costs: *edit* is document and first
-//! sample without other view. All take turns; the report has the medians.
+//! instead. *Document* is the time until the text is changed and read, *first sample* the time from there to the first picture
+//! of a live renderer, whose size that renderer chooses for a picture that moves. *Other view* is the time to the first picture
+//! after a movement of the camera instead, for the same number of pixels. What an edit takes beyond that is what the edit
+//! costs: *edit* is document and first sample without other view. All take turns; the report has the medians.
 
 use crate::bench;
 use crate::measure::median;

@@ -17,7 +17,8 @@ impl Generated {
     }
 }
 
-/// All generated scenes: grids of shapes in one smooth union, at rest and in motion, and light sources over a floor with three solids, also in fog.
+/// All generated scenes: grids of shapes in one smooth union, at rest and in motion, and light sources over a floor with three
+/// solids, also in fog.
 pub static ALL: [Generated; 9] = [
     Generated { name: "union-100", text: || union(5, 5, 4) },
     Generated { name: "union-1000", text: || union(10, 10, 10) },
