@@ -7,7 +7,7 @@ use crate::integrator::photons::path_count_choice::{CPU_LIGHT_RAY_COST, best_pat
 use crate::integrator::photons::{self, default_path_count};
 use crate::integrator::sample_counts_choice::{BestCounts, SampleCounts, best_sample_counts};
 use crate::integrator::splitting::camera_ray_index;
-use crate::integrator::{moments, packets, path, path_reuse, path_reuse_choice, splitting_choice};
+use crate::integrator::{moments, packets, path_reuse, path_reuse_choice, splitting_choice};
 use crate::mode::Mode;
 use crate::preview::{self, Preview};
 use crate::ray_stats::RayCounters;
@@ -264,7 +264,7 @@ impl RenderInput {
         pixels: &[(u32, u32)],
         sample: u32,
     ) -> (Vec<Vec3>, Vec<Guide>) {
-        path::trace_with_guides(ctx, pixels, sample)
+        packets::trace_with_guides(ctx, pixels, sample)
     }
 
     /// Values of `samples` samples of each pixel, from index `first` on, pixel by pixel: radiance, or colours of a view. There

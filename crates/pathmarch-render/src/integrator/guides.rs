@@ -232,6 +232,11 @@ impl GuideRecorder {
         Self { reflections, media, camera_rays, guides, states, direct }
     }
 
+    /// Reports whether the path in a slot waits for a surface.
+    pub(super) fn waits(&self, slot: usize) -> bool {
+        !matches!(self.states[slot], State::Done)
+    }
+
     /// Ends the recording of the path in a slot.
     pub(crate) fn end(&mut self, slot: usize) {
         self.states[slot] = State::Done;
@@ -265,7 +270,7 @@ impl GuideRecorder {
         }
     }
 
-    /// Records the surface that a path has reached with this throughput. `radiance` is that of all paths.
+    /// Records the surface that a path of this radiance has reached with this throughput.
     pub(super) fn record(
         &mut self,
         ctx: &TraceContext,
@@ -273,13 +278,13 @@ impl GuideRecorder {
         throughput: Vec3,
         interaction: &SurfaceInteraction,
         surface_index: u32,
-        radiance: &[Vec3],
+        radiance: Vec3,
     ) {
         let slot = path.slot;
         let leaf = &ctx.scene.leaves[interaction.leaf];
         let material = &ctx.scene.materials[leaf.material as usize];
         let is_end = surface_index > ctx.frame.bounces && !material.emits();
-        if is_end || matches!(self.states[slot], State::Done) {
+        if is_end || !self.waits(slot) {
             return;
         }
         let object = ctx.scene.field.leaves()[interaction.leaf].object;
@@ -288,7 +293,7 @@ impl GuideRecorder {
         if matches!(self.states[slot], State::Scattered) {
             if !is_delta {
                 // An emitter is no part of the indirect light.
-                self.direct[slot] = (!material.emits()).then_some(radiance[slot]);
+                self.direct[slot] = (!material.emits()).then_some(radiance);
                 self.states[slot] = State::Done;
             }
             return;

@@ -122,7 +122,7 @@ pub(super) fn follow(
                     continue;
                 }
                 if !is_crossed {
-                    recorder.record(ctx, path, throughput, &interaction, surface_index, radiance);
+                    recorder.record(ctx, path, throughput, &interaction, surface_index, radiance[path.slot]);
                 }
                 recorder.end(path.slot);
                 continue;
@@ -185,7 +185,7 @@ fn record_surfaces_beyond(ctx: &TraceContext, mut beyond: Vec<Path>, radiance: &
             let is_crossed = is_crossed(ctx, path, &interaction);
             match is_crossed {
                 true => cross(ctx, path, &interaction, hit.t),
-                false => recorder.record(ctx, path, path.throughput, &interaction, 0, radiance),
+                false => recorder.record(ctx, path, path.throughput, &interaction, 0, radiance[path.slot]),
             }
             is_crossed
         });

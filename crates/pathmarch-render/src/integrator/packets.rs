@@ -7,10 +7,11 @@
 //! path that has ended leaves its lane to one of another packet: before each surface, the packets of a tile become as few as
 //! possible.
 //!
-//! The estimator is that of [`path`](super::path), which serves all other scenes ([`KernelConfig::packets`]), pictures with
-//! photons and the guides of moving pictures: radiances are equal but for rounding.
+//! The estimator is that of [`path`](super::path), which serves all other scenes ([`KernelConfig::packets`]) and pictures with
+//! photons: radiances and guides are equal but for rounding.
 
 use super::camera::{camera_rays_in_lanes, pixel_sampler};
+use super::guides::{Guide, GuideRecorder};
 use super::medium::transmittance;
 use super::opaque_surfaces::{LightOfPaths, ScatteredPaths, ShadingInputs, roulette, shade_lanes};
 use super::participating_media::medium_after;
@@ -38,14 +39,60 @@ use wide::f32x8;
 
 /// Radiance of samples of these pixels, as [`path::trace`], which traces them where packets cannot.
 pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
-    if !ctx.config.packets || ctx.photons.is_some() || ctx.stats.is_some() {
+    if !are_possible(ctx) {
         return path::trace(ctx, pixels, first, samples);
     }
-    let mut reuse = ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples));
+    let packets = packets_at_camera(ctx, pixels, camera_ray_index(first, ctx.config.splitting));
+    let mut records = Records { reuse: ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples)), guides: None };
     let mut radiance = vec![Vec3::ZERO; pixels.len() * samples as usize];
-    let ray_index = camera_ray_index(first, ctx.config.splitting);
-    let start = |(k, chunk): (usize, &[(u32, u32)])| Packet::at_camera(ctx, chunk, 8 * k, ray_index);
-    let mut at_camera: Vec<Packet> = pixels.chunks(8).enumerate().map(start).collect();
+    follow(ctx, packets, (first, samples), &mut radiance, &mut records);
+    if let Some(reuse) = records.reuse {
+        reuse.share(ctx, &mut radiance);
+    }
+    radiance
+}
+
+/// Radiance of one sample of each of these pixels and their guides, as [`path::trace_with_guides`], which traces them where
+/// packets cannot.
+pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sample: u32) -> (Vec<Vec3>, Vec<Guide>) {
+    if !are_possible(ctx) {
+        return path::trace_with_guides(ctx, pixels, sample);
+    }
+    let packets = packets_at_camera(ctx, pixels, sample);
+    let rays = packets.iter().flat_map(|packet| set_bits(packet.alive).map(|lane| packet.ray(lane))).collect();
+    let mut records = Records { reuse: None, guides: Some(GuideRecorder::new(ctx, rays)) };
+    let mut radiance = vec![Vec3::ZERO; pixels.len()];
+    follow(ctx, packets, (sample, 1), &mut radiance, &mut records);
+    let guides = records.guides.map_or(Vec::new(), |guides| guides.into_guides(ctx, &radiance));
+    (radiance, guides)
+}
+
+/// Reports whether packets can trace a picture.
+fn are_possible(ctx: &TraceContext) -> bool {
+    ctx.config.packets && ctx.photons.is_none() && ctx.stats.is_none()
+}
+
+/// Packets of a sample of these pixels, at the camera.
+fn packets_at_camera(ctx: &TraceContext, pixels: &[(u32, u32)], sample: u32) -> Vec<Packet> {
+    let start = |(k, chunk): (usize, &[(u32, u32)])| Packet::at_camera(ctx, chunk, 8 * k, sample);
+    pixels.chunks(8).enumerate().map(start).collect()
+}
+
+/// What is recorded of paths beside their radiance.
+struct Records<'a> {
+    /// Light that pixels share.
+    reuse: Option<PathReuse<'a>>,
+    guides: Option<GuideRecorder>,
+}
+
+/// Follows paths from the camera to their ends: `samples` from index `first` on that share each camera ray. Adds their radiance.
+fn follow(
+    ctx: &TraceContext,
+    mut at_camera: Vec<Packet>,
+    (first, samples): (u32, u32),
+    radiance: &mut [Vec3],
+    records: &mut Records,
+) {
     let surfaces: Vec<Option<Surfaces8>> = at_camera.iter_mut().map(|packet| packet.intersect(ctx, 0)).collect();
     for k in 0..samples {
         for part in 0..ctx.config.indirect_samples {
@@ -57,27 +104,23 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
                 if ctx.config.splitting > 1 {
                     packet.samplers = packet.samplers.with_sample(first + k);
                 }
-                packet.leave_first_surface(ctx, surfaces.as_ref(), part, reuse.as_mut());
+                packet.leave_first_surface(ctx, surfaces.as_ref(), part, records);
                 packet
             };
             let mut packets: Vec<Packet> = at_camera.iter().zip(&surfaces).map(leave).collect();
             for surface_index in 1.. {
-                compact(&mut packets, &mut radiance);
+                compact(&mut packets, radiance);
                 if packets.is_empty() {
                     break;
                 }
                 for packet in &mut packets {
                     if let Some(surfaces) = packet.intersect(ctx, surface_index) {
-                        packet.pass_surface(ctx, &surfaces, surface_index, 0, reuse.as_mut());
+                        packet.pass_surface(ctx, &surfaces, surface_index, 0, records);
                     }
                 }
             }
         }
     }
-    if let Some(reuse) = reuse {
-        reuse.share(ctx, &mut radiance);
-    }
-    radiance
 }
 
 /// Adds the radiances of paths that have ended to those of their slots, and fills the lanes with paths of other packets.
@@ -165,13 +208,18 @@ impl Packet {
         }
     }
 
+    /// Ray of a lane.
+    fn ray(&self, lane: usize) -> Ray {
+        Ray { origin: lane_of(self.origin, lane), direction: lane_of(self.direction, lane) }
+    }
+
     /// Path of a lane.
     fn path(&self, lane: usize) -> Path {
         let has_normal = self.has_previous_normal >> lane & 1 == 1;
         Path {
             slot: self.slots[lane] as usize,
             sampler: self.samplers.lane(lane),
-            ray: Ray { origin: lane_of(self.origin, lane), direction: lane_of(self.direction, lane) },
+            ray: self.ray(lane),
             previous_vertex: lane_of(self.previous_vertex, lane),
             previous_normal: has_normal.then(|| lane_of(self.previous_normal, lane)),
             throughput: lane_of(self.throughput, lane),
@@ -294,14 +342,14 @@ impl Packet {
         ctx: &TraceContext,
         surfaces: Option<&Surfaces8>,
         part: u32,
-        reuse: Option<&mut PathReuse>,
+        records: &mut Records,
     ) {
         let parts = ctx.config.indirect_samples;
         if part > 0 {
             self.radiance = FieldVec3::splat(f32x8::ZERO);
         }
         if let Some(surfaces) = surfaces {
-            self.pass_surface(ctx, surfaces, 0, part, reuse);
+            self.pass_surface(ctx, surfaces, 0, part, records);
         }
         if parts > 1 {
             self.samplers = self.samplers.part(part, parts);
@@ -316,9 +364,12 @@ impl Packet {
         surfaces: &Surfaces8,
         surface_index: u32,
         part: u32,
-        reuse: Option<&mut PathReuse>,
+        records: &mut Records,
     ) {
-        if let Some(reuse) = reuse.filter(|_| surface_index < 2) {
+        if let Some(guides) = &mut records.guides {
+            self.record_guides(ctx, surfaces, surface_index, guides);
+        }
+        if let Some(reuse) = records.reuse.as_mut().filter(|_| surface_index < 2) {
             self.record(ctx, surfaces, surface_index, reuse);
         }
         let materials = MaterialsOfLanes::new(ctx, surfaces);
@@ -333,7 +384,32 @@ impl Packet {
             self.alive = 0;
         }
         if self.alive != 0 {
-            self.scatter(ctx, surfaces, &materials, (surface_index, part));
+            self.scatter(ctx, surfaces, &materials, (surface_index, part), records.guides.as_mut());
+        }
+        if let Some(guides) = &mut records.guides {
+            for lane in set_bits(self.alive) {
+                let (direction, radiance) = (lane_of(self.direction, lane), lane_of(self.radiance, lane));
+                guides.reflections.go_on(self.slots[lane] as usize, direction, radiance);
+            }
+        }
+    }
+
+    /// Records surfaces for the guides of paths.
+    fn record_guides(
+        &mut self,
+        ctx: &TraceContext,
+        surfaces: &Surfaces8,
+        surface_index: u32,
+        guides: &mut GuideRecorder,
+    ) {
+        for lane in set_bits(self.alive) {
+            let slot = self.slots[lane] as usize;
+            guides.reflections.arrive(slot, self.length.as_array()[lane]);
+            if guides.waits(slot) {
+                let (path, interaction) = (self.path(lane), self.interaction(surfaces, lane));
+                let (throughput, radiance) = (path.throughput, lane_of(self.radiance, lane));
+                guides.record(ctx, &path, throughput, &interaction, surface_index, radiance);
+            }
         }
     }
 
@@ -363,6 +439,7 @@ impl Packet {
         surfaces: &Surfaces8,
         materials: &MaterialsOfLanes,
         (surface_index, part): (u32, u32),
+        mut guides: Option<&mut GuideRecorder>,
     ) {
         let light_samples = match (surface_index, part) {
             (0, 0) => ctx.config.light_samples,
@@ -395,10 +472,11 @@ impl Packet {
         self.alive = 0;
         let mut tests = Vec::new();
         if diffuse != 0 {
-            self.scatter_kind::<DiffuseInLanes>(&leaving, diffuse, samples_lights & diffuse, &mut tests);
+            self.scatter_kind::<DiffuseInLanes>(&leaving, diffuse, samples_lights & diffuse, &mut tests, None);
         }
         if metal != 0 {
-            self.scatter_kind::<MetalInLanes>(&leaving, metal, samples_lights & metal, &mut tests);
+            let guides = guides.as_deref_mut();
+            self.scatter_kind::<MetalInLanes>(&leaving, metal, samples_lights & metal, &mut tests, guides);
         }
         let lobe = match ctx.config.chooses_lobes && (smooth | others) != 0 {
             true => random(&samplers, pair::PAIR_LOBE),
@@ -418,8 +496,15 @@ impl Packet {
         self.previous_vertex = FieldVec3::select(samples_lights, origin, self.previous_vertex);
         self.previous_normal = FieldVec3::select(samples_lights, surfaces.normal, self.previous_normal);
         if !tests.is_empty() {
+            if let Some(guides) = &mut guides {
+                guides.reflections.sample_lights(&tests, |test| self.slots[test.slot] as usize);
+            }
             for (lane, light) in direct_light(ctx, tests, surface_index) {
-                self.add_each(1 << lane, |_, _| clamped(ctx, light, surface_index));
+                let light = clamped(ctx, light, surface_index);
+                self.add_each(1 << lane, |_, _| light);
+                if let Some(guides) = &mut guides {
+                    guides.reflections.add_sampled(self.slots[lane] as usize, light);
+                }
             }
         }
     }
@@ -432,13 +517,14 @@ impl Packet {
         bits: u32,
         samples_lights: u32,
         tests: &mut Vec<ShadowTest>,
+        mut guides: Option<&mut GuideRecorder>,
     ) {
         let &Leaving { ctx, surfaces, ref inputs, light_samples, surface_index } = leaving;
         let parameters = self.parameters(ctx, surfaces, bits, B::PARAMETERS);
         let light_samples = (if samples_lights == 0 { 0 } else { light_samples }, samples_lights);
         let ScatteredPaths { direction, throughput, pdf, goes_on } =
             shade_lanes::<B>(ctx, inputs, &parameters, light_samples, surface_index, |light| {
-                self.test_light(leaving, light, samples_lights, tests);
+                self.test_light(leaving, light, samples_lights, tests, guides.as_deref_mut());
             });
         let lanes = mask_of(bits);
         self.direction = FieldVec3::select(lanes, direction, self.direction);
@@ -515,6 +601,7 @@ impl Packet {
         light: &LightOfPaths,
         samples_lights: u32,
         tests: &mut Vec<ShadowTest>,
+        guides: Option<&mut GuideRecorder>,
     ) {
         let &Leaving { ctx, surface_index, .. } = leaving;
         let origin = leaving.inputs.origin;
@@ -532,7 +619,17 @@ impl Packet {
                     |lane: &usize| ctx.scene.material_of(leaf.as_array()[*lane] as usize).flags & CLEAR == CLEAR;
                 apart |= set_bits(hit).filter(is_clear).map(|lane| 1 << lane).sum::<u32>();
             }
-            self.add(in_lanes & !hit, clamped_lanes(ctx, light.radiance * light.weight, surface_index));
+            let radiance = clamped_lanes(ctx, light.radiance * light.weight, surface_index);
+            self.add(in_lanes & !hit, radiance);
+            if let Some(guides) = guides {
+                for lane in set_bits(in_lanes & !apart) {
+                    let (slot, distance) = (self.slots[lane] as usize, light.distance.as_array()[lane]);
+                    guides.reflections.sample_light(slot, lane_of(light.direction, lane), distance);
+                    if hit >> lane & 1 == 0 {
+                        guides.reflections.add_sampled(slot, lane_of(radiance, lane));
+                    }
+                }
+            }
         }
         for lane in set_bits(apart) {
             let path = Path { slot: lane, ..self.path(lane) };
@@ -626,6 +723,9 @@ mod tests {
     use crate::backend::RenderInput;
     use pathmarch_scene::Scene;
 
+    const LIGHT: &str = "point { at 2 3 2; intensity 20 }
+        sky \"gradient\" { zenith 0.3 0.5 1; horizon 1; ground 0.1 }
+        sun { direction 1 2 1; irradiance 2; angle 2 }";
     const SURFACES: &str = "material \"red\" { diffuse 0.8 0.3 0.2 }
         material \"steel\" { metal 0.9 0.8 0.7; roughness 0.3 }
         material \"mirror\" { metal 0.9; roughness 0 }
@@ -648,21 +748,30 @@ mod tests {
         object \"lamp\" material=\"lamp\" { sphere 0.3 { at 0.5 2 0.5 } }
         object \"panel\" material=\"lamp\" { rect 0.5 0.5 { normal 0 -1 0; at -1 2 0 } }";
 
-    /// Pixels of samples 3 to 6 with and without packets.
-    fn both(scene: &str, change: impl Fn(&mut KernelConfig)) -> [Vec<Vec3>; 2] {
+    /// Input of a scene that packets trace.
+    fn input_of(scene: &str) -> RenderInput {
         let text = format!("pathmarch 1\ncamera {{ position 0 1.5 5; target 0 0.5 0 }}\n{scene}");
         let scene = Scene::parse("test.kdl", &text).unwrap_or_else(|error| panic!("{error}"));
         let settings = Settings { size: [48, 27], bounces: 7, ..Settings::of(&scene) };
-        let mut input = RenderInput::new(&scene, &settings);
+        let input = RenderInput::new(&scene, &settings);
         assert!(input.config.packets);
+        input
+    }
+
+    fn pixels() -> Vec<(u32, u32)> {
+        (0..27).flat_map(|y| (0..48).map(move |x| (x, y))).collect()
+    }
+
+    /// Pixels of samples 3 to 6 with and without packets.
+    fn both(scene: &str, change: impl Fn(&mut KernelConfig)) -> [Vec<Vec3>; 2] {
+        let mut input = input_of(scene);
         change(&mut input.config);
-        let pixels: Vec<(u32, u32)> = (0..27).flat_map(|y| (0..48).map(move |x| (x, y))).collect();
         [true, false].map(|packets| {
             input.config.packets = packets;
             let ctx = input.context(None);
             match input.config.splitting {
-                1 => (3..6).flat_map(|sample| trace(&ctx, &pixels, sample, 1)).collect(),
-                count => trace(&ctx, &pixels, 0, count),
+                1 => (3..6).flat_map(|sample| trace(&ctx, &pixels(), sample, 1)).collect(),
+                count => trace(&ctx, &pixels(), 0, count),
             }
         })
     }
@@ -676,9 +785,7 @@ mod tests {
 
     #[test]
     fn packets_have_the_light_of_paths_one_by_one() {
-        let light = "point { at 2 3 2; intensity 20 }\nsky \"gradient\" { zenith 0.3 0.5 1; horizon 1; ground 0.1 }
-            sun { direction 1 2 1; irradiance 2; angle 2 }";
-        let scene = |head: &str| format!("{head}\n{light}\n{SURFACES}");
+        let scene = |head: &str| format!("{head}\n{LIGHT}\n{SURFACES}");
         let plain = scene("");
         type Change = fn(&mut KernelConfig);
         let cases: [(&str, String, Change); 6] = [
@@ -697,6 +804,41 @@ mod tests {
             assert!(sum.min_element() > 1.0, "{name}: {sum}");
             // The order of sums differs.
             assert!(largest < 1e-5, "{name}: {differ} of {} differ, by {largest}", packets.len());
+        }
+    }
+
+    #[test]
+    fn packets_have_the_guides_of_paths_one_by_one() {
+        for head in ["", "render { caustics \"fast\"; clamp 0.5 }"] {
+            let mut input = input_of(&format!("{head}\n{LIGHT}\n{SURFACES}"));
+            let [packets, one_by_one] = [true, false].map(|packets| {
+                input.config.packets = packets;
+                trace_with_guides(&input.context(None), &pixels(), 3)
+            });
+            let largest =
+                packets.0.iter().zip(&one_by_one.0).map(|(a, b)| (a - b).abs().max_element()).fold(0.0, f32::max);
+            assert!(largest < 1e-5, "{largest}");
+            let mut facets = 0;
+            for (a, b) in packets.1.iter().zip(&one_by_one.1) {
+                let kind = |guide: &Guide| (guide.class, guide.is_glossy, guide.object, guide.seen_object, guide.leaf);
+                assert_eq!(kind(a), kind(b), "{a:?} {b:?}");
+                let numbers = |guide: &Guide| {
+                    let light = &guide.reflected;
+                    assert!(guide.length.is_finite());
+                    let (length, depth) = (Vec3::splat(guide.length), Vec3::new(light.depth, light.alpha, 0.0));
+                    let surface =
+                        [guide.normal, guide.seen_normal, guide.albedo, guide.position / guide.length, length];
+                    let lights = [guide.indirect, light.radiance, depth];
+                    surface.into_iter().chain(lights).collect::<Vec<Vec3>>()
+                };
+                for (x, y) in numbers(a).into_iter().zip(numbers(b)) {
+                    assert!((x - y).abs().max_element() < 1e-5 * (1.0 + y.abs().max_element()), "{a:?} {b:?}");
+                }
+                facets += u32::from(a.has_facets());
+            }
+            assert!(facets > 50, "{facets}");
+            let indirect: Vec3 = packets.1.iter().map(|guide| guide.indirect).sum();
+            assert!(indirect.min_element() > 1.0, "{indirect}");
         }
     }
 }

@@ -157,7 +157,7 @@ fn continue_paths(
         if let Some(recorder) = &mut recorder {
             for (path, vertex) in paths.iter().zip(&vertices) {
                 let Vertex::Surface(interaction) = vertex else { continue };
-                recorder.record(ctx, path, path.throughput, interaction, surface_index, &radiance);
+                recorder.record(ctx, path, path.throughput, interaction, surface_index, radiance[path.slot]);
             }
         }
         if let Some(reuse) = reuse.as_mut().filter(|_| surface_index < 2) {
@@ -185,7 +185,7 @@ fn continue_paths(
             scatter(ctx, &mut paths, &vertices, scatters, (surface_index, 0), &mut radiance)
         };
         if let Some(recorder) = &mut recorder {
-            recorder.reflections.sample_lights(&shadow_tests);
+            recorder.reflections.sample_lights(&shadow_tests, |test| test.slot);
         }
         for (slot, direct_light) in shadow::direct_light(ctx, shadow_tests, surface_index) {
             let light = clamped(ctx, direct_light, surface_index);
@@ -195,11 +195,15 @@ fn continue_paths(
             }
         }
         if let Some(recorder) = &mut recorder {
-            recorder.reflections.go_on(&paths, &radiance);
+            for path in &paths {
+                recorder.reflections.go_on(path.slot, path.ray.direction, radiance[path.slot]);
+            }
         }
         vertices = intersect_paths(ctx, &mut paths, surface_index + 1, &mut radiance, recorder.as_deref_mut());
         if let Some(recorder) = &mut recorder {
-            recorder.reflections.arrive(&paths);
+            for path in &paths {
+                recorder.reflections.arrive(path.slot, path.length);
+            }
         }
     }
     if let Some(reuse) = reuse {

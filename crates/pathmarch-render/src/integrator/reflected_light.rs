@@ -57,8 +57,8 @@ impl ReflectedLight {
 /// Light being recorded, one for each path.
 pub(super) struct ReflectionRecorder {
     slots: Vec<Option<Reflection>>,
-    /// True if surfaces wait for their samples.
-    waits: bool,
+    /// True if any path has met facets.
+    has_facets: bool,
     /// Far end of all rays.
     far: f32,
 }
@@ -108,7 +108,7 @@ impl Reflection {
 
 impl ReflectionRecorder {
     pub(super) fn new(paths: usize) -> Self {
-        Self { slots: (0..paths).map(|_| None).collect(), waits: false, far: 0.0 }
+        Self { slots: (0..paths).map(|_| None).collect(), has_facets: false, far: 0.0 }
     }
 
     /// Starts with the surface of a path.
@@ -141,24 +141,29 @@ impl ReflectionRecorder {
             share: Vec3::ZERO,
             distance: self.far,
         });
-        self.waits = true;
+        self.has_facets = true;
     }
 
     /// Light at the surface of a path, if it waits.
     fn waiting(&mut self, slot: usize) -> Option<&mut Reflection> {
+        if !self.has_facets {
+            return None;
+        }
         self.slots[slot].as_mut().filter(|reflection| reflection.waits)
     }
 
-    /// Records the light samples of the surfaces that wait.
-    pub(super) fn sample_lights(&mut self, tests: &[ShadowTest]) {
-        if !self.waits {
-            return;
+    /// Records a light sample of a path, in this direction and at this distance.
+    pub(super) fn sample_light(&mut self, slot: usize, direction: Vec3, distance: f32) {
+        if let Some(reflection) = self.waiting(slot) {
+            reflection.sampled_share = reflection.share(direction);
+            reflection.sampled_distance = distance;
         }
+    }
+
+    /// Records the light samples of paths in these slots.
+    pub(super) fn sample_lights(&mut self, tests: &[ShadowTest], slot_of: impl Fn(&ShadowTest) -> usize) {
         for test in tests {
-            if let Some(reflection) = self.waiting(test.slot) {
-                reflection.sampled_share = reflection.share(test.ray.direction);
-                reflection.sampled_distance = test.distance;
-            }
+            self.sample_light(slot_of(test), test.ray.direction, test.distance);
         }
     }
 
@@ -169,33 +174,22 @@ impl ReflectionRecorder {
         }
     }
 
-    /// Records how the paths go on, which have these radiances.
-    pub(super) fn go_on(&mut self, paths: &[Path], radiance: &[Vec3]) {
-        if !self.waits {
-            return;
-        }
-        for path in paths {
-            if let Some(reflection) = self.waiting(path.slot) {
-                reflection.share = reflection.share(path.ray.direction);
-                reflection.before = radiance[path.slot];
-            }
+    /// Records that a path, which has this radiance, goes on in this direction.
+    pub(super) fn go_on(&mut self, slot: usize, direction: Vec3, radiance: Vec3) {
+        if let Some(reflection) = self.waiting(slot) {
+            reflection.share = reflection.share(direction);
+            reflection.before = radiance;
         }
     }
 
-    /// Records the next vertices of the paths that have one.
-    pub(super) fn arrive(&mut self, paths: &[Path]) {
-        if !self.waits {
-            return;
+    /// Records the next vertex of a path, which has this length there.
+    pub(super) fn arrive(&mut self, slot: usize, length: f32) {
+        if let Some(reflection) = self.waiting(slot) {
+            // A vertex in a medium has no length from the camera.
+            let distance = length - reflection.length;
+            reflection.distance = if distance > 0.0 { distance } else { reflection.distance };
+            reflection.waits = false;
         }
-        for path in paths {
-            if let Some(reflection) = self.waiting(path.slot) {
-                // A vertex in a medium has no length from the camera.
-                let distance = path.length - reflection.length;
-                reflection.distance = if distance > 0.0 { distance } else { reflection.distance };
-            }
-        }
-        self.slots.iter_mut().flatten().for_each(|reflection| reflection.waits = false);
-        self.waits = false;
     }
 
     /// Share of the facets in the light that the rest of a path brings; 0 without facets.
