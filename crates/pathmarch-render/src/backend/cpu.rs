@@ -168,57 +168,58 @@ impl CpuJob {
         let begun = self.begun;
         let tiles = &self.tiles[self.done..self.tiles.len().min(self.done + count)];
         let Rect { x: left, y: top, width, .. } = self.rect;
-        // All tiles of a row share its rows of pixels.
-        let sums = self.film.sums.chunks_mut((TILE * width) as usize);
-        let rows: Vec<Mutex<&mut [[f32; 3]]>> = sums.map(Mutex::new).collect();
         // Films of more samples are shown as they are.
         let records_guides = self.guides.is_some() && self.film.samples < FILM_SAMPLES;
         let index = self.film.samples;
+        let mut guides = self.guides.as_mut().filter(|_| records_guides).map(Arc::make_mut);
+        if let Some(guides) = guides.as_mut().filter(|guides| guides.is_empty()) {
+            **guides = rayon::iter::repeat_n(Guide::NONE, self.film.sums.len()).collect();
+        }
+        // All tiles of a row share its rows of pixels.
+        let row_length = (TILE * width) as usize;
+        let sums: Vec<_> = self.film.sums.chunks_mut(row_length).map(Mutex::new).collect();
+        let guides = guides.map(Vec::as_mut_slice).unwrap_or_default();
+        let guides: Vec<_> = guides.chunks_mut(row_length).map(Mutex::new).collect();
         let ctx = TraceContext { photons: self.photons.as_ref(), ..self.input.context(self.stats.as_deref()) };
-        let add = |tile: &Tile| -> (Vec<usize>, Vec<Guide>) {
+        let add = |tile: &Tile| -> Vec<usize> {
             let pixels = tile.pixels();
-            let (values, guides) = if records_guides {
-                let (values, guides) = self.input.sample_with_guides(&ctx, &pixels, sample);
-                let guides = guides.into_iter().zip(&values).map(|(guide, value)| guide.of_sample(kept(*value)));
-                let guides = guides.collect();
-                (values, guides)
+            let row = (tile.y[0] - top) / TILE;
+            let position = |(x, y): (u32, u32)| ((y - top - row * TILE) * width + x - left) as usize;
+            let values = if records_guides {
+                let (values, samples) = self.input.sample_with_guides(&ctx, &pixels, sample);
+                let mut guides = guides[row as usize].lock().unwrap_or_else(PoisonError::into_inner);
+                for ((&pixel, value), guide) in pixels.iter().zip(&values).zip(samples) {
+                    let guide = guide.of_sample(kept(*value));
+                    match (index, &mut guides[position(pixel)]) {
+                        (0, first) => *first = guide,
+                        (index, means) => means.add(&guide, index),
+                    }
+                }
+                values
             } else {
-                (self.input.samples_of(&ctx, &pixels, sample, begun), Vec::new())
+                self.input.samples_of(&ctx, &pixels, sample, begun)
             };
             let edges = self.input.edges.as_ref().map_or(Vec::new(), |edges| edges.within(tile.columns(), tile.rows()));
             let corrections = emitter_edges::corrections(&ctx, &edges, sample, begun);
-            let row = (tile.y[0] - top) / TILE;
             let mut rejected = Vec::new();
-            let mut sums = rows[row as usize].lock().unwrap_or_else(PoisonError::into_inner);
-            let index = |(x, y): (u32, u32)| ((y - top - row * TILE) * width + x - left) as usize;
+            let mut sums = sums[row as usize].lock().unwrap_or_else(PoisonError::into_inner);
             for (&pixel, values) in pixels.iter().zip(values.chunks(begun as usize)) {
                 for value in values {
                     if is_kept(*value) {
-                        add_to(&mut sums[index(pixel)], *value);
+                        add_to(&mut sums[position(pixel)], *value);
                     } else {
-                        rejected.push(index(pixel) + (row * TILE * width) as usize);
+                        rejected.push(position(pixel) + row as usize * row_length);
                     }
                 }
             }
             for (pixel, correction) in edges.into_iter().zip(corrections) {
-                add_to(&mut sums[index(pixel)], correction);
+                add_to(&mut sums[position(pixel)], correction);
             }
-            (rejected, guides)
+            rejected
         };
-        let results: Vec<(Vec<usize>, Vec<Guide>)> = tiles.par_iter().map(add).collect();
-        if let Some(all) = self.guides.as_mut().filter(|_| records_guides).map(Arc::make_mut) {
-            all.resize(self.film.sums.len(), Guide::NONE);
-            for (tile, (_, guides)) in tiles.iter().zip(&results) {
-                for ((x, y), guide) in tile.pixels().into_iter().zip(guides) {
-                    match (index, &mut all[((y - top) * width + x - left) as usize]) {
-                        (0, first) => *first = *guide,
-                        (index, means) => means.add(guide, index),
-                    }
-                }
-            }
-        }
+        let rejected: Vec<usize> = tiles.par_iter().flat_map_iter(add).collect();
         self.done += tiles.len();
-        for pixel in results.into_iter().flat_map(|(rejected, _)| rejected) {
+        for pixel in rejected {
             self.film.count_rejected(pixel, 1);
         }
         if self.done == self.tiles.len() {

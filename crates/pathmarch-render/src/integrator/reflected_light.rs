@@ -54,11 +54,12 @@ impl ReflectedLight {
     }
 }
 
-/// Light being recorded, one for each path.
+/// Light being recorded.
 pub(super) struct ReflectionRecorder {
+    /// Number of paths.
+    paths: usize,
+    /// One for each path; empty before the first facets.
     slots: Vec<Option<Reflection>>,
-    /// True if any path has met facets.
-    has_facets: bool,
     /// Far end of all rays.
     far: f32,
 }
@@ -108,7 +109,7 @@ impl Reflection {
 
 impl ReflectionRecorder {
     pub(super) fn new(paths: usize) -> Self {
-        Self { slots: (0..paths).map(|_| None).collect(), has_facets: false, far: 0.0 }
+        Self { paths, slots: Vec::new(), far: 0.0 }
     }
 
     /// Starts with the surface of a path.
@@ -128,6 +129,7 @@ impl ReflectionRecorder {
         let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
         let local_from_world = basis(ns).transpose();
         let wo = local_viewer(local_from_world, -path.ray.direction);
+        self.slots.resize_with(self.paths, || None);
         self.slots[path.slot] = Some(Reflection {
             waits: true,
             alpha: rounded_alpha(alpha),
@@ -141,15 +143,11 @@ impl ReflectionRecorder {
             share: Vec3::ZERO,
             distance: self.far,
         });
-        self.has_facets = true;
     }
 
     /// Light at the surface of a path, if it waits.
     fn waiting(&mut self, slot: usize) -> Option<&mut Reflection> {
-        if !self.has_facets {
-            return None;
-        }
-        self.slots[slot].as_mut().filter(|reflection| reflection.waits)
+        self.slots.get_mut(slot)?.as_mut().filter(|reflection| reflection.waits)
     }
 
     /// Records a light sample of a path, in this direction and at this distance.
@@ -194,7 +192,7 @@ impl ReflectionRecorder {
 
     /// Share of the facets in the light that the rest of a path brings; 0 without facets.
     pub(super) fn share_of_rest(&self, slot: usize) -> Vec3 {
-        self.slots[slot].as_ref().map_or(Vec3::ZERO, |reflection| reflection.share)
+        self.slots.get(slot).and_then(Option::as_ref).map_or(Vec3::ZERO, |reflection| reflection.share)
     }
 
     /// Lights of all paths that have facets, and whose radiances these are.
