@@ -57,12 +57,16 @@ pub(crate) enum GuideClass {
     Surface,
 }
 
-/// Guide of a pixel.
+/// Guide of a pixel. The order is that in memory: vector instructions read the number behind a vector as well, and are slow where
+/// it is an integer, as which they take it for a subnormal number.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub(crate) struct Guide {
     /// Position in world space, or that of the mirror image; far away for the sky. With a lens, the point at this depth that a
     /// pinhole would show.
     pub(crate) position: Vec3,
+    /// Distance of the position from the camera, metres: the length of the path.
+    pub(crate) length: f32,
     /// Unit normal on the side of the camera, mirrored as the position is.
     pub(crate) normal: Vec3,
     /// Unit normal of the surface that is seen through glass; elsewhere the normal itself.
@@ -72,25 +76,23 @@ pub(crate) struct Guide {
     pub(crate) albedo: Vec3,
     /// Mean square of the luminance of the samples, each divided by its albedo.
     pub(crate) square: f32,
-    /// Distance of the position from the camera, metres: the length of the path.
-    pub(crate) length: f32,
-    pub(crate) class: GuideClass,
-    /// True if the samples show several surfaces.
-    pub(crate) is_mixed: bool,
-    /// True if the surface looks different from other directions.
-    pub(crate) is_glossy: bool,
-    /// Light that media in front of the surface scatter or emit; else that which the facets of a glossy surface reflect or
-    /// refract; 0 elsewhere.
-    pub(crate) reflected: ReflectedLight,
     /// Light that other surfaces have scattered to one that scatters light, without that of facets; 0 elsewhere, and on
     /// fractals. Mean over the samples.
     pub(crate) indirect: Vec3,
+    /// Light that media in front of the surface scatter or emit; else that which the facets of a glossy surface reflect or
+    /// refract; 0 elsewhere.
+    pub(crate) reflected: ReflectedLight,
     /// Index of the object; 0 for the sky.
     pub(crate) object: u32,
     /// Index of the object that is seen through glass; elsewhere the object itself.
     pub(crate) seen_object: u32,
     /// Index of the leaf of `position`; [`NO_LEAF`] for the sky and for mirror images.
     pub(crate) leaf: u32,
+    pub(crate) class: GuideClass,
+    /// True if the samples show several surfaces.
+    pub(crate) is_mixed: bool,
+    /// True if the surface looks different from other directions.
+    pub(crate) is_glossy: bool,
 }
 
 impl Guide {
@@ -186,7 +188,7 @@ fn packed_step(light: Vec3) -> f32 {
     let largest = light.max_element().clamp(0.0, MAX_PACKED_LIGHT);
     // The largest channel is below two to the power of the exponent.
     let exponent = ((largest.to_bits() >> 23) as i32 - 126).clamp(-15, 16);
-    2.0f32.powi(exponent - 9)
+    f32::from_bits(((exponent - 9 + 127) as u32) << 23)
 }
 
 /// Guides being recorded, one for each path.

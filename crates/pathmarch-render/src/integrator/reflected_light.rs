@@ -23,8 +23,9 @@ shared_constants! {
     const MAX_FACET_ALPHA_OF_FRACTALS: f32 = 0.15;
 }
 
-/// Light of the facets of a surface, or of the media in front of it.
+/// Light of the facets of a surface, or of the media in front of it. The order is that in memory, as for guides.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub(crate) struct ReflectedLight {
     /// Mean radiance.
     pub(crate) radiance: Vec3,

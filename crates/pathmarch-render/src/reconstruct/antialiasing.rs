@@ -11,12 +11,15 @@
 //! in Temporal Supersampling". Colours stay linear: compressing bright ones would darken the mean.
 
 use super::motion::EarlierPoints;
+use super::planes::{Grid, Place, Planes};
 use super::temporal::{History, Projection};
 use crate::integrator::guides::Guide;
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
-use glam::{Vec3, Vec4, Vec4Swizzles};
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
+use std::f32::consts::{LN_2, LOG2_E};
+use wide::{f32x8, i32x8};
 
 shared_constants! {
     /// Least weight of a new picture, for pixels between its samples.
@@ -56,17 +59,20 @@ pub(super) struct Last<'a> {
     pub(super) new_weight: f32,
 }
 
-/// Samples of a picture around one of its points.
+/// Power of two below which a weight does not fall.
+const LEAST_EXPONENT: f32 = -64.0;
+
+/// Number of rows of the picture that are made one after the other, so that they share the neighbourhoods of their samples.
+const SHARED_ROWS: usize = 8;
+
+/// Samples of the nine pixels around one.
+#[derive(Clone, Copy)]
 struct Neighbourhood {
-    /// Sums of the opponent colours and of their squares, and what fills up their vectors.
-    sum: Vec4,
-    squares: Vec4,
-    count: f32,
+    /// Means of the opponent colours and of their squares.
+    mean: Vec3,
+    mean_square: Vec3,
     /// Index of the guide nearest to the camera: edges move with what is in front.
     nearest: usize,
-    /// Colour at the point, and the weight of the sample nearest to it, 0 to 1.
-    colour: Vec3,
-    weight: f32,
 }
 
 /// New samples of a picture, which is shown at another size.
@@ -77,8 +83,8 @@ struct Upscaling<'a> {
     samples: &'a [Vec3],
     /// Opponent colour of each sample, and the length of its path; the largest number if it is no part of the picture.
     opponents: Vec<Vec4>,
-    /// Position of each sample, pixels of the samples; empty if the picture is as large as they are.
-    positions: Vec<[f32; 2]>,
+    /// Position of each sample, pixels of the samples; `None` if the picture is as large as they are.
+    positions: Option<Planes<2>>,
     /// Pixels of the picture for each pixel of the samples.
     factor: [f32; 2],
 }
@@ -95,7 +101,7 @@ pub(super) fn antialiased(
 ) -> ShownPicture {
     let is_larger = size != frame.size();
     let projection = Projection::new(frame);
-    let position = |(index, guide): (usize, &Guide)| sample_position(frame, &projection, index, guide);
+    let position = |index: usize| sample_position(frame, &projection, index, &guides[index]);
     let length = |guide: &Guide| if emitters_are_apart && guide.is_seen_emitter() { f32::MAX } else { guide.length };
     let opponent = |(sample, guide): (&Vec3, &Guide)| opponent_of(*sample).extend(length(guide));
     let upscaling = Upscaling {
@@ -104,19 +110,15 @@ pub(super) fn antialiased(
         guides,
         samples,
         opponents: samples.par_iter().zip(guides).with_min_len(4096).map(opponent).collect(),
-        positions: if is_larger { guides.par_iter().enumerate().map(position).collect() } else { Vec::new() },
+        positions: is_larger.then(|| Planes::new(Grid::new(frame.size()), [0.0; 2], position)),
         factor: [size[0] as f32 / frame.width as f32, size[1] as f32 / frame.height as f32],
     };
-    let upscaling = &upscaling;
-    let colour = |index: usize| {
-        let (x, y) = (index as u32 % size[0], index as u32 / size[0]);
-        let point = [(x as f32 + 0.5) / upscaling.factor[0], (y as f32 + 0.5) / upscaling.factor[1]];
-        upscaling.pixel(point, last).extend(0.0)
-    };
-    let colours = match (last, is_larger) {
-        (None, false) => samples.iter().map(|sample| sample.extend(0.0)).collect(),
-        _ => (0..(size[0] * size[1]) as usize).into_par_iter().with_min_len(1024).map(colour).collect(),
-    };
+    if last.is_none() && !is_larger {
+        return ShownPicture { size, colours: samples.iter().map(|sample| sample.extend(0.0)).collect() };
+    }
+    let mut colours = vec![Vec4::ZERO; (size[0] * size[1]) as usize];
+    let rows = colours.par_chunks_mut(size[0] as usize * SHARED_ROWS).enumerate();
+    rows.for_each(|(chunk, colours)| upscaling.fill_rows(chunk * SHARED_ROWS, size[0] as usize, colours, last));
     ShownPicture { size, colours }
 }
 
@@ -127,18 +129,38 @@ fn sample_position(frame: &FrameUniforms, projection: &Projection, index: usize,
 }
 
 impl Upscaling<'_> {
-    /// Colour of the picture at a point, in pixels of the samples.
-    fn pixel(&self, point: [f32; 2], last: Option<Last>) -> Vec3 {
-        let Neighbourhood { sum, squares, count, nearest, colour: new, weight } = self.around(point);
+    /// Computes rows of the picture, `width` pixels each, from this one on.
+    fn fill_rows(&self, first_row: usize, width: usize, colours: &mut [Vec4], last: Option<Last>) {
+        let [samples_wide, samples_high] = self.frame.size().map(|side| side as usize);
+        let point = |pixel: usize, k: usize| (pixel as f32 + 0.5) / self.factor[k];
+        let (mut row_of_samples, mut neighbourhoods) = (usize::MAX, Vec::new());
+        for (row, colours) in colours.chunks_mut(width).enumerate() {
+            let v = point(first_row + row, 1);
+            let y = (v as usize).min(samples_high - 1);
+            if row_of_samples != y {
+                row_of_samples = y;
+                neighbourhoods = (0..samples_wide).map(|x| self.neighbourhood([x, y])).collect();
+            }
+            for (column, colour) in colours.iter_mut().enumerate() {
+                let u = point(column, 0);
+                let x = (u as usize).min(samples_wide - 1);
+                *colour = self.pixel([u, v], [x, y], &neighbourhoods[x], last).extend(0.0);
+            }
+        }
+    }
+
+    /// Colour of the picture at a point, in pixels of the samples, within one of these pixels.
+    fn pixel(&self, point: [f32; 2], pixel: [usize; 2], around: &Neighbourhood, last: Option<Last>) -> Vec3 {
+        let &Neighbourhood { mean, mean_square, nearest } = around;
+        let (new, weight) = self.interpolated(point, pixel);
         let Some(Last { picture: shown, history, earlier, new_weight }) = last else { return new };
         let Some(position) = self.before(point, nearest, history, earlier) else { return new };
         let sampled = history.frame.size();
         let old = shown.cubic(std::array::from_fn(|k| position[k] * shown.size[k] as f32 / sampled[k] as f32));
-        let mean = sum.xyz() / count;
-        let deviation = REACH * (squares.xyz() / count - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
+        let deviation = REACH * (mean_square - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
         let old = colour_of(opponent_of(old).clamp(mean - deviation, mean + deviation)).max(Vec3::ZERO);
         let moved = |k: usize| position[k] * self.frame.size()[k] as f32 / sampled[k] as f32 - point[k];
-        let speed = (moved(0).hypot(moved(1)) / FAST_MOTION).min(1.0);
+        let speed = (Vec2::new(moved(0), moved(1)).length() / FAST_MOTION).min(1.0);
         let new_weight = new_weight.max(MOVING_WEIGHT * speed);
         old.lerp(new, (new_weight * weight).max(MIN_WEIGHT))
     }
@@ -157,45 +179,63 @@ impl Upscaling<'_> {
         (is_inside && history.shows(&sought, [x, y])).then_some([x, y])
     }
 
-    /// Samples of the nine pixels around a point.
-    fn around(&self, point: [f32; 2]) -> Neighbourhood {
+    /// Indices of a pixel of the samples and those around it, row by row.
+    fn square(&self, [x, y]: [usize; 2]) -> impl Iterator<Item = usize> + use<> {
         let [width, height] = self.frame.size().map(|side| side as usize);
-        let (x, y) = ((point[0] as usize).min(width - 1), (point[1] as usize).min(height - 1));
-        let centre = y * width + x;
-        let (mut sum, mut squares, mut count) = (Vec4::ZERO, Vec4::ZERO, 0.0);
-        let (mut nearest, mut least) = (centre, self.opponents[centre].w);
-        let (mut colour, mut total, mut largest) = (Vec3::ZERO, 0.0, 0.0);
-        for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
-            for column in x.saturating_sub(1)..=(x + 1).min(width - 1) {
-                let index = row * width + column;
-                let opponent = self.opponents[index];
-                if opponent.w < least {
-                    (nearest, least) = (index, opponent.w);
-                }
-                sum += opponent;
-                squares += opponent * opponent;
-                count += 1.0;
-                if let Some(position) = self.positions.get(index) {
-                    let weight = self.kernel([point[0] - position[0], point[1] - position[1]]);
-                    colour += self.samples[index] * weight;
-                    total += weight;
-                    largest = f32::max(largest, weight);
-                }
-            }
-        }
-        if total > 0.0 {
-            (colour, total) = (colour / total, largest);
-        } else {
-            (colour, total) = (self.samples[centre], 1.0);
-        }
-        Neighbourhood { sum, squares, count, nearest, colour, weight: total }
+        let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
+        let columns = x.saturating_sub(1)..=(x + 1).min(width - 1);
+        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
     }
 
-    /// Weight of a sample at this distance, in pixels of the samples: a Gaussian.
-    fn kernel(&self, distance: [f32; 2]) -> f32 {
-        let [x, y] = [distance[0] * self.factor[0], distance[1] * self.factor[1]];
-        (-0.5 * (x * x + y * y) / (KERNEL_DEVIATION * KERNEL_DEVIATION)).exp()
+    /// Samples around a pixel of them.
+    fn neighbourhood(&self, [x, y]: [usize; 2]) -> Neighbourhood {
+        let centre = y * self.frame.width as usize + x;
+        let (mut sum, mut squares, mut count) = (Vec4::ZERO, Vec4::ZERO, 0.0);
+        let (mut nearest, mut least) = (centre, self.opponents[centre].w);
+        for index in self.square([x, y]) {
+            let opponent = self.opponents[index];
+            if opponent.w < least {
+                (nearest, least) = (index, opponent.w);
+            }
+            sum += opponent;
+            squares += opponent * opponent;
+            count += 1.0;
+        }
+        Neighbourhood { mean: sum.xyz() / count, mean_square: squares.xyz() / count, nearest }
     }
+
+    /// Colour at a point, in pixels of the samples, within one of these pixels, and the weight of the sample nearest to it, 0 to 1.
+    fn interpolated(&self, point: [f32; 2], [x, y]: [usize; 2]) -> (Vec3, f32) {
+        let (grid, width) = (Grid::new(self.frame.size()), self.frame.width as usize);
+        let own = self.samples[y * width + x];
+        let Some(positions) = &self.positions else { return (own, 1.0) };
+        let (mut opponent, mut total, mut largest) = (Vec4::ZERO, 0.0, 0.0);
+        for place in (-1..=1).filter_map(|dy| Place::new(x, y as i32).moved(grid, -1, dy)) {
+            let distance = |k: usize| (positions.load(k, place) - f32x8::splat(point[k])) * self.factor[k];
+            let weights = gaussian(distance(0), distance(1)).to_array();
+            let row = &self.opponents[place.row as usize * width..][..width];
+            let inside = usize::from(x == 0)..(width + 1 - x).min(3);
+            for (&weight, &there) in weights[inside.clone()].iter().zip(&row[x + inside.start - 1..]) {
+                opponent += there * weight;
+                total += weight;
+                largest = f32::max(largest, weight);
+            }
+        }
+        if total > 0.0 { (colour_of(opponent.xyz() / total), largest) } else { (own, 1.0) }
+    }
+}
+
+/// Weights of samples at these distances, in pixels of the picture: a Gaussian. Its exponential takes a quarter of the time of
+/// [`f32x8::exp`], which also serves large, infinite and missing numbers.
+fn gaussian(dx: f32x8, dy: f32x8) -> f32x8 {
+    const SCALE: f32 = -0.5 * LOG2_E / (KERNEL_DEVIATION * KERNEL_DEVIATION);
+    let exponent = ((dx * dx + dy * dy) * SCALE).fast_max(f32x8::splat(LEAST_EXPONENT));
+    let whole = exponent.round();
+    let power_of_two: f32x8 = bytemuck::cast((whole.fast_round_int() + i32x8::splat(127)) << 23);
+    // Taylor series of two to the power of the rest, which is at most a half.
+    let rest = (exponent - whole) * LN_2;
+    let series = [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0];
+    power_of_two * series.into_iter().fold(f32x8::splat(1.0 / 720.0), |sum, term| sum * rest + f32x8::splat(term))
 }
 
 /// Lightness, orange against blue, green against magenta (YCoCg; Malvar and Sullivan 2003). Clamped there, a grey
@@ -252,6 +292,17 @@ mod tests {
             let weights = catmull_rom(t);
             let position: f32 = weights.iter().zip([-1.0, 0.0, 1.0, 2.0]).map(|(weight, at)| weight * at).sum();
             assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6 && (position - t).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn weights_are_those_of_a_gaussian() {
+        for x in [0.0f32, 0.01, 0.3, 0.6, 1.1, 2.0, 3.0, 4.5] {
+            let expected = (-0.5 * x * x / (KERNEL_DEVIATION * KERNEL_DEVIATION)).exp();
+            for [dx, dy] in [[x, 0.0], [0.6 * x, -0.8 * x]] {
+                let weight = gaussian(f32x8::splat(dx), f32x8::splat(dy)).to_array()[3];
+                assert!((weight - expected).abs() < 3e-6 * expected + 1e-19, "{x}: {weight} for {expected}");
+            }
         }
     }
 

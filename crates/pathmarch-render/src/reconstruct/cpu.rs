@@ -3,7 +3,7 @@
 //! **Cost.** 0.25 to 1 of the time in which one sample is traced.
 
 use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
-use super::emitters::{EmitterLayer, without_emitters};
+use super::emitters::EmitterLayer;
 use super::film_view::FilmView;
 use super::indirect::HalfFilm;
 use super::motion::Motion;
@@ -143,7 +143,10 @@ impl CpuReconstruction {
         let emitters =
             options.emitter_edges.then(|| EmitterLayer::new(&input.context(None), guides, size, first_sample));
         let emitters = emitters.flatten();
-        let clean = if emitters.is_some() { without_emitters(frame.size(), guides, &clean) } else { clean };
+        let clean = match &emitters {
+            Some(emitters) => emitters.without_emitters(&clean),
+            None => clean,
+        };
         clock.ends("emitters");
         let last = past.filter(|_| options.antialiasing);
         let last = last.map(|past| Last {

@@ -23,7 +23,34 @@ pub(super) struct EmitterLayer {
     /// Sizes of the picture and of its samples, pixels.
     size: [u32; 2],
     samples: [u32; 2],
+    map: EmitterMap,
     coverages: Vec<Coverage>,
+}
+
+/// What each sample of a film shows, in a byte: [`EMITTER`], [`MIXED`], or neither. Few of them show an emitter, and guides are
+/// large.
+struct EmitterMap {
+    grid: Grid,
+    shown: Vec<u8>,
+}
+
+/// The sample shows an emitter.
+const EMITTER: u8 = 1;
+/// The samples of the pixel show several surfaces.
+const MIXED: u8 = 2;
+
+impl EmitterMap {
+    /// Map of a film; `None` if it shows no emitters.
+    fn new(size: [u32; 2], guides: &[Guide]) -> Option<Self> {
+        let of = |guide: &Guide| u8::from(guide.is_seen_emitter()) * EMITTER + u8::from(guide.is_mixed) * MIXED;
+        let shown: Vec<u8> = guides.par_iter().with_min_len(4096).map(of).collect();
+        shown.iter().any(|shown| shown & EMITTER != 0).then(|| Self { grid: Grid::new(size), shown })
+    }
+
+    /// Number of samples that show emitters in the square around one.
+    fn emitters_around(&self, index: usize) -> u32 {
+        square(self.grid, index).map(|there| u32::from(self.shown[there] & EMITTER)).sum()
+    }
 }
 
 /// Pixels of the square of 3x3 around a pixel.
@@ -35,11 +62,12 @@ fn square(grid: Grid, index: usize) -> impl Iterator<Item = usize> {
 impl EmitterLayer {
     /// Emitters that the samples of a film show, in a picture of this size; `None` if there are none.
     pub(super) fn new(ctx: &TraceContext, guides: &[Guide], size: [u32; 2], sample: u32) -> Option<Self> {
-        if ctx.config.media || !guides.iter().any(Guide::is_seen_emitter) {
-            return None;
-        }
-        let (samples, grid) = (ctx.frame.size(), Grid::new(ctx.frame.size()));
-        let place = |index: usize| emitter_place(&guides[index], square(grid, index).map(|there| &guides[there]));
+        let samples = ctx.frame.size();
+        let map = EmitterMap::new(samples, guides).filter(|_| !ctx.config.media)?;
+        let place = |index: usize| match map.emitters_around(index) {
+            ..MIN_EMITTER_SAMPLES => EmitterPlace::Outside,
+            _ => emitter_place(&guides[index], square(map.grid, index).map(|there| &guides[there])),
+        };
         let places: Vec<EmitterPlace> = (0..guides.len()).into_par_iter().with_min_len(4096).map(place).collect();
         let frame = FrameUniforms { width: size[0], height: size[1], ..*ctx.frame };
         let ctx = TraceContext { frame: &frame, ..*ctx };
@@ -56,7 +84,27 @@ impl EmitterLayer {
             (0..size[0]).map(coverage).collect::<Vec<_>>()
         };
         let rows: Vec<Vec<Coverage>> = (0..size[1]).into_par_iter().map(of_row).collect();
-        Some(Self { size, samples, coverages: rows.concat() })
+        Some(Self { size, samples, map, coverages: rows.concat() })
+    }
+
+    /// Colours of samples without emitters: a pixel that shows one has the mean of those around it that show none.
+    pub(super) fn without_emitters(&self, colours: &[Vec3]) -> Vec<Vec3> {
+        let EmitterMap { grid, ref shown } = self.map;
+        let colour = |index: usize| {
+            if shown[index] == 0 || self.map.emitters_around(index) < MIN_EMITTER_SAMPLES {
+                return colours[index];
+            }
+            let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+            for there in square(grid, index).filter(|&there| shown[there] == 0) {
+                (sum, count) = (sum + colours[there], count + 1.0);
+            }
+            match count > 0.0 {
+                true => sum / count,
+                false if shown[index] & EMITTER != 0 => Vec3::ZERO,
+                false => colours[index],
+            }
+        };
+        (0..colours.len()).into_par_iter().with_min_len(4096).map(colour).collect()
     }
 
     /// A colour of the rest of the picture at this pixel, with the emitters in front of it.
@@ -77,32 +125,6 @@ fn sample_at(pixel: [u32; 2], size: [u32; 2], samples: [u32; 2]) -> usize {
         (((pixel[k] as f32 + 0.5) / factor) as u32).min(samples[k] - 1)
     });
     (y * samples[0] + x) as usize
-}
-
-/// Colours without emitters: a pixel that shows one has the mean of those around it that show none.
-pub(super) fn without_emitters(size: [u32; 2], guides: &[Guide], colours: &[Vec3]) -> Vec<Vec3> {
-    let grid = Grid::new(size);
-    let colour = |index: usize| {
-        let here = &guides[index];
-        let is_free = |guide: &Guide| !guide.is_seen_emitter() && !guide.is_mixed;
-        if is_free(here) {
-            return colours[index];
-        }
-        let emitters = square(grid, index).filter(|&there| guides[there].is_seen_emitter()).count() as u32;
-        if emitters < MIN_EMITTER_SAMPLES {
-            return colours[index];
-        }
-        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
-        for there in square(grid, index).filter(|&there| is_free(&guides[there])) {
-            (sum, count) = (sum + colours[there], count + 1.0);
-        }
-        match count > 0.0 {
-            true => sum / count,
-            false if here.is_seen_emitter() => Vec3::ZERO,
-            false => colours[index],
-        }
-    };
-    (0..colours.len()).into_par_iter().with_min_len(4096).map(colour).collect()
 }
 
 #[cfg(test)]
@@ -157,15 +179,17 @@ mod tests {
         let layer = EmitterLayer::new(&input.context(None), &guides, [64, 48], 0).expect("a lamp");
         assert!(layer.coverages.iter().all(|coverage| *coverage == Coverage::ZERO));
         let colours = vec![Vec3::ONE; 64 * 48];
-        assert_eq!(without_emitters([64, 48], &guides, &colours), colours);
+        assert_eq!(layer.without_emitters(&colours), colours);
     }
 
     #[test]
     fn what_is_beside_a_lamp_takes_its_place() {
-        let (colours, guides) = guides(&ball(1.5));
+        let input = ball(1.5);
+        let (colours, guides) = guides(&input);
+        let layer = EmitterLayer::new(&input.context(None), &guides, [64, 48], 0).expect("a lamp");
         let colours: Vec<Vec3> =
             colours.iter().map(|colour| if *colour == Vec3::ZERO { Vec3::splat(0.25) } else { *colour }).collect();
-        let rest = without_emitters([64, 48], &guides, &colours);
+        let rest = layer.without_emitters(&colours);
         assert!(rest.iter().all(|colour| *colour == Vec3::splat(0.25) || *colour == Vec3::ZERO));
         assert_eq!(rest[23 * 64 + 32], Vec3::ZERO, "nothing is beside the middle");
         assert!(rest.iter().filter(|colour| **colour == Vec3::ZERO).count() > 300);

@@ -38,8 +38,8 @@ struct ShownPoint {
     /// Reciprocal of the cosine between the normal and the ray: seen at a grazing angle, a pixel covers more of the plane.
     stretch: f32,
     normal: Vec3,
-    /// Equal on points of one surface.
-    surface: u32,
+    /// See [`surface_of`]; negative if the pixel shows several surfaces.
+    surface: f32,
 }
 
 /// Point of a present picture, where it was in an earlier scene.
@@ -48,13 +48,14 @@ pub(super) struct SoughtPoint {
     normal: Vec3,
     /// Side of a pixel at its distance, metres: that of the picture with the larger pixels.
     pixel: f32,
-    surface: u32,
+    surface: f32,
     is_sky: bool,
 }
 
-/// Surface of a guide, as a number that is equal on points of one surface: a medium in front of it takes light from it.
-fn surface_of(guide: &Guide) -> u32 {
-    8 * guide.object + 2 * guide.class as u32 + u32::from(guide.has_medium())
+/// Surface of a guide, as a number from 1 on that is equal on points of one surface: a medium in front of it takes light from
+/// it. It is no integer, which vector instructions would read as a subnormal number, and be slow.
+fn surface_of(guide: &Guide) -> f32 {
+    (8 * guide.object + 2 * guide.class as u32 + u32::from(guide.has_medium()) + 1) as f32
 }
 
 impl ShownPoint {
@@ -62,13 +63,19 @@ impl ShownPoint {
     fn new(guide: &Guide, eye: Vec3) -> Self {
         let &Guide { position, normal, .. } = guide;
         let cosine = normal.dot((position - eye).normalize()).abs();
-        Self { position, stretch: cosine.max(MIN_GRAZING_COSINE).recip(), normal, surface: surface_of(guide) }
+        let surface = if guide.is_mixed { -surface_of(guide) } else { surface_of(guide) };
+        Self { position, stretch: cosine.max(MIN_GRAZING_COSINE).recip(), normal, surface }
+    }
+
+    /// True if the pixel shows a point of this surface.
+    fn has_surface(&self, surface: f32) -> bool {
+        self.surface.abs() == surface
     }
 
     /// True if it and a point that was sought show one place of one surface, to within a few sides of a pixel.
     #[inline]
     fn is_at(&self, sought: &SoughtPoint) -> bool {
-        if self.surface != sought.surface {
+        if !self.has_surface(sought.surface) {
             return false;
         }
         if sought.is_sky {
@@ -259,7 +266,7 @@ impl History {
     pub(super) fn find(&self, sought: &SoughtPoint, means: &[PixelMean]) -> Option<PixelMean> {
         let position = self.projection.project(sought.position)?;
         // The mean of several surfaces is that of none.
-        self.mean_at(position, means, |index| self.points[index].is_at(sought) && !self.guides[index].is_mixed)
+        self.mean_at(position, means, |index| self.points[index].surface > 0.0 && self.points[index].is_at(sought))
     }
 
     /// True if a pixel shows a part of a surface that mirrors what the sought point of it mirrors.
@@ -267,7 +274,7 @@ impl History {
         let point = &self.points[index];
         let apart = sought.position - point.position;
         let along = sought.normal.dot(apart).abs().min(point.normal.dot(apart).abs());
-        point.surface == sought.surface
+        point.has_surface(sought.surface)
             && sought.normal.dot(point.normal) >= MIN_NORMAL_COSINE
             && along <= PLANE_TOLERANCE * sought.pixel + CURVED_TOLERANCE * apart.length()
     }
