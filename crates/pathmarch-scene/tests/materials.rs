@@ -3,10 +3,10 @@
 
 use crate::random::Random;
 use glam::Vec3;
-use pathmarch_field::number::Vec3 as FieldVec3;
+use pathmarch_field::number::{Real, Vec3 as FieldVec3};
 use pathmarch_scene::materials::{
-    Bsdf, BsdfInLanes, BsdfParameters, DiffuseInLanes, KindInLanes, MaterialKind, MetalInLanes, ParamKind, albedo,
-    fresnel, kinds, straight_transmittance,
+    Bsdf, BsdfInLanes, BsdfParameters, DiffuseInLanes, KindInLanes, MaterialKind, MetalInLanes, ParamKind,
+    ParametersInLanes, PrincipledInLanes, albedo, fresnel, kinds, straight_transmittance,
 };
 use std::f32::consts::{PI, TAU};
 use wide::f32x8;
@@ -211,35 +211,38 @@ fn check_lanes<B: BsdfInLanes>(kind: &MaterialKind) -> u32 {
             if param.kind == ParamKind::Colour {
                 *value = random.three();
             }
+            if param.name() == "transmission" {
+                *value = [0.0; 3];
+            }
         }
         (bsdf.pack)(&values)
     });
-    let parameters = std::array::from_fn(|k| match k < B::PARAMETERS {
-        true => f32x8::from(surfaces.map(|parameters| parameters[k])),
-        false => f32x8::ZERO,
-    });
+    let parameters = ParametersInLanes::new(surfaces.each_ref(), B::PARAMETERS);
     let vectors = |of: [Vec3; 8]| {
         let [x, y, z] = [0, 1, 2].map(|axis| f32x8::from(of.map(|v| v[axis])));
         FieldVec3::new(x, y, z)
     };
     let of_lane = |v: FieldVec3<f32x8>, lane: usize| Vec3::from([v.x, v.y, v.z].map(|value| value.to_array()[lane]));
     let mut compared = 0;
-    for _ in 0..200 {
+    for k in 0..200 {
+        let inside = k % 4 == 3;
         let directions = [0, 1].map(|_| [(); 8].map(|()| random.point(1.0).normalize()));
         let wo = directions[0].map(|w| w.with_z(w.z.abs().max(1e-3)).normalize());
         let u = [(); 8].map(|()| random.three());
-        let evaluated = B::eval(&parameters, vectors(wo), vectors(directions[1]));
-        let scattered = B::sample(&parameters, vectors(wo), [0, 1].map(|k| f32x8::from(u.map(|u| u[k]))));
+        let bsdf_in_lanes = B::new(&parameters, vectors(wo), f32x8::truth(inside));
+        let evaluated = bsdf_in_lanes.eval(&parameters, vectors(wo), vectors(directions[1]));
+        let random_numbers = [0, 1, 2].map(|k| f32x8::from(u.map(|u| u[k])));
+        let scattered = bsdf_in_lanes.sample(&parameters, vectors(wo), random_numbers);
         for lane in 0..8 {
             let near = |a: f32, b: f32| (a - b).abs() <= 2e-3 * (a.abs() + b.abs()) + 1e-5;
             let near = |a: (Vec3, f32), b: (Vec3, f32)| {
                 (0..3).all(|k| near(a.0[k], b.0[k])) && near(a.1, b.1) && b.0.is_finite()
             };
-            let one = (bsdf.eval)(&surfaces[lane], wo[lane], directions[1][lane], false);
+            let one = (bsdf.eval)(&surfaces[lane], wo[lane], directions[1][lane], inside);
             let (one, eight) = ((one.value, one.pdf), (of_lane(evaluated.value, lane), evaluated.pdf.to_array()[lane]));
             assert!(near(one, eight), "{} {lane}: {one:?} {eight:?}", kind.name);
             let wi = of_lane(scattered.wi, lane);
-            let Some(one) = (bsdf.sample)(&surfaces[lane], wo[lane], false, u[lane]) else {
+            let Some(one) = (bsdf.sample)(&surfaces[lane], wo[lane], inside, u[lane]) else {
                 assert!(wi.z < 1e-4, "{} {lane}: {wi}", kind.name);
                 continue;
             };
@@ -263,10 +266,11 @@ fn functions_in_lanes_are_those_of_one_surface() {
         match kind.bsdf.and_then(|bsdf| bsdf.in_lanes) {
             Some(KindInLanes::Diffuse) => compared.push(check_lanes::<DiffuseInLanes>(kind)),
             Some(KindInLanes::Metal) => compared.push(check_lanes::<MetalInLanes>(kind)),
+            Some(KindInLanes::Principled) => compared.push(check_lanes::<PrincipledInLanes>(kind)),
             None => {}
         }
     }
-    assert!(compared.len() == 2 && compared.iter().all(|count| *count > 1000), "{compared:?}");
+    assert!(compared.len() == 3 && compared.iter().all(|count| *count > 1000), "{compared:?}");
 }
 
 /// The share of light that comes back from a uniform surrounding of one.

@@ -7,8 +7,8 @@ use super::light_sampling::nth_light_sample;
 use super::light_sampling_lanes::{choose_lights, sample_directions, sample_weights};
 use super::path_state::{Path, ROULETTE_DEPTH, SURVIVAL_FACTOR};
 use super::shadow::ShadowTest;
-use super::surface_samples::SurfaceSamples;
-use crate::intersect::ray::{Ray, lane_of, pack, set_bits, unpack};
+use super::surface_samples::{SurfaceSample, SurfaceSamples};
+use crate::intersect::ray::{Ray, lane_of, mask_of, pack, set_bits, unpack};
 use crate::sampling::basis::Basis8;
 use crate::scene::material::{DELTA, LAMBERTIAN};
 use crate::scene::{LightShape, TraceContext};
@@ -16,14 +16,16 @@ use crate::shading::surface_interaction::SurfaceInteraction;
 use crate::shading::textured_point::{TexturedPoint, shading_normal};
 use glam::Vec3;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
-use pathmarch_scene::materials::{BsdfInLanes, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes};
+use pathmarch_scene::materials::{
+    BsdfInLanes, BsdfParameters, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes, PrincipledInLanes,
+};
 use wide::f32x8;
 
-/// Kind of a leaf's material, if [`shade`] may shade it: it knows neither photons nor the lights that they contribute.
-pub(super) fn kind_in_lanes(ctx: &TraceContext, leaf: usize) -> Option<KindInLanes> {
-    let material = ctx.scene.leaves[leaf].material as usize;
+/// Kind of the material of an index, if [`shade`] may shade it: it knows neither photons nor the lights that they contribute.
+#[inline(always)]
+pub(super) fn kind_in_lanes(ctx: &TraceContext, material: usize) -> Option<KindInLanes> {
     let is_apart = !ctx.config.traced_caustics || ctx.scene.materials[material].has(LAMBERTIAN);
-    ctx.scene.bsdfs[material]?.in_lanes.filter(|_| is_apart && ctx.photons.is_none())
+    ctx.scene.kinds_in_lanes[material].filter(|_| is_apart && ctx.photons.is_none())
 }
 
 /// Surface of a path, by the index of the path.
@@ -38,6 +40,7 @@ pub(super) fn shading_of(kind: KindInLanes) -> Shade {
     match kind {
         KindInLanes::Diffuse => shade::<DiffuseInLanes>,
         KindInLanes::Metal => shade::<MetalInLanes>,
+        KindInLanes::Principled => shade::<PrincipledInLanes>,
     }
 }
 
@@ -51,7 +54,16 @@ fn shade<B: BsdfInLanes>(
     surface_index: u32,
     shadow_tests: &mut Vec<ShadowTest>,
 ) -> u32 {
-    let (inputs, parameters, samples_lights) = ShadingInputs::new::<B>(ctx, paths, surfaces, samples);
+    let points = textured_points(ctx, paths, surfaces);
+    let (inputs, samples_lights) = ShadingInputs::new(ctx, paths, surfaces, &points, samples);
+    let material = |lane: usize| &ctx.scene.material_of(surfaces[lane].1.leaf).parameters;
+    let of_point = |lane: usize| Some(points[lane].as_ref()?.parameters(material(lane)));
+    let textured: [Option<BsdfParameters>; 8] = std::array::from_fn(of_point);
+    let of_lane = |lane: usize| {
+        let lane = lane.min(surfaces.len() - 1);
+        textured[lane].as_ref().unwrap_or(material(lane))
+    };
+    let parameters = ParametersInLanes::new(std::array::from_fn(of_lane), B::PARAMETERS);
     let origins = unpack(inputs.origin);
     let light_samples = (samples.light_samples, samples_lights);
     let scattered = shade_lanes::<B>(ctx, &inputs, &parameters, light_samples, surface_index, |light| {
@@ -130,13 +142,14 @@ pub(super) fn shade_lanes<'a, B: BsdfInLanes>(
     surface_index: u32,
     mut test_light: impl FnMut(&LightOfPaths<'a>),
 ) -> ScatteredPaths {
-    let &ShadingInputs { origin, normal, shading_normal, throughput, choice, .. } = inputs;
+    let &ShadingInputs { origin, normal, shading_normal, throughput, choice, scatter: [u, v], lobe, .. } = inputs;
     // Light through the geometric surface is lost.
     let crosses_surface = |direction: FieldVec3<f32x8>| {
         Mask8(direction.dot(normal).simd_lt(f32x8::ZERO)) & f32x8::truth(ctx.config.shading_normals)
     };
     let basis = Basis8::new(shading_normal);
     let wo = basis.local_viewer(inputs.to_viewer);
+    let bsdf = B::new(parameters, wo, mask_of(inputs.inside));
 
     let share = f32x8::splat(1.0 / light_samples as f32);
     for sample in 0..light_samples {
@@ -144,7 +157,7 @@ pub(super) fn shade_lanes<'a, B: BsdfInLanes>(
         let lights = choose_lights(ctx, origin, shading_normal, choice, samples_lights);
         let light = sample_directions(ctx, &lights, origin, position);
         let wi = basis.to_local(light.direction);
-        let evaluated = B::eval(parameters, wo, wi);
+        let evaluated = bsdf.eval(parameters, wo, wi);
         let is_lit = light.exist
             & !crosses_surface(light.direction)
             & Mask8(wi.z.simd_gt(f32x8::ZERO))
@@ -159,7 +172,7 @@ pub(super) fn shade_lanes<'a, B: BsdfInLanes>(
         });
     }
 
-    let scattered = B::sample(parameters, wo, inputs.scatter);
+    let scattered = bsdf.sample(parameters, wo, [u, v, lobe]);
     let direction = basis.to_world(scattered.wi);
     let direction = direction / direction.length();
     let goes_on = Mask8(scattered.wi.z.simd_gt(f32x8::ZERO)) & !crosses_surface(direction);
@@ -198,45 +211,52 @@ pub(super) struct ShadingInputs {
     pub(super) throughput: FieldVec3<f32x8>,
     /// Square of the refractive index around the paths.
     pub(super) index_square: f32x8,
+    /// Surfaces that are seen from within their solids, a bit for each.
+    pub(super) inside: u32,
     /// As in [`SurfaceSamples`].
     pub(super) choice: [f32x8; 2],
     pub(super) light: [f32x8; 2],
     pub(super) scatter: [f32x8; 2],
+    pub(super) lobe: f32x8,
+}
+
+/// Textured points of one to eight surfaces at the ends of these paths, where they have textures.
+fn textured_points<'a>(
+    ctx: &'a TraceContext,
+    paths: &[Path],
+    surfaces: &[SurfaceOfPath<'a>],
+) -> [Option<TexturedPoint<'a>>; 8] {
+    let point = |(index, interaction): &SurfaceOfPath<'a>| TexturedPoint::new(ctx, interaction, paths[*index].length);
+    std::array::from_fn(|lane| surfaces.get(lane).and_then(point))
 }
 
 impl ShadingInputs {
-    /// Inputs of one to eight surfaces; also the parameters of their materials and a bit for each that is no mirror.
+    /// Inputs of one to eight surfaces, and a bit for each that is no mirror.
     #[inline(always)]
-    fn new<B: BsdfInLanes>(
+    fn new(
         ctx: &TraceContext,
         paths: &[Path],
         surfaces: &[SurfaceOfPath],
+        points: &[Option<TexturedPoint>; 8],
         samples: &SurfaceSamples,
-    ) -> (Self, ParametersInLanes, u32) {
-        let (mut origins, mut samples_lights) = ([Vec3::ZERO; 8], 0);
-        let mut components = [[0.0; 8]; 19];
-        let mut parameters = [[0.0; 8]; 8];
+    ) -> (Self, u32) {
+        let (mut origins, mut samples_lights, mut inside) = ([Vec3::ZERO; 8], 0, 0);
+        let mut components = [[0.0; 8]; 20];
         for (lane, &(index, interaction)) in surfaces.iter().enumerate() {
             let (path, SurfaceInteraction { p, normal: n, normal_offset, .. }) = (&paths[index], interaction);
-            let material = ctx.scene.material_of(interaction.leaf);
-            let textured = TexturedPoint::new(ctx, interaction, path.length);
-            let ns = shading_normal(ctx.config, textured.as_ref(), interaction, -path.ray.direction);
+            let ns = shading_normal(ctx.config, points[lane].as_ref(), interaction, -path.ray.direction);
             origins[lane] = p + normal_offset;
-            samples_lights |= u32::from(!material.has(DELTA)) << lane;
-            let ([a, b], [c, d], [e, f]) = (samples.choice[index], samples.light[index], samples.scatter[index]);
+            samples_lights |= u32::from(!ctx.scene.material_of(interaction.leaf).has(DELTA)) << lane;
+            inside |= u32::from(interaction.inside) << lane;
+            let SurfaceSample { choice: [a, b], light: [c, d], scatter: [e, f], lobe: [g, _], .. } = samples.of(index);
             let (v, t) = (-path.ray.direction, path.throughput);
             let values =
-                [n.x, n.y, n.z, ns.x, ns.y, ns.z, v.x, v.y, v.z, t.x, t.y, t.z, path.index_square, a, b, c, d, e, f];
+                [n.x, n.y, n.z, ns.x, ns.y, ns.z, v.x, v.y, v.z, t.x, t.y, t.z, path.index_square, a, b, c, d, e, f, g];
             for (component, value) in components.iter_mut().zip(values) {
                 component[lane] = value;
             }
-            let textured_parameters = textured.map(|textured| textured.parameters(&material.parameters));
-            let own = textured_parameters.as_ref().unwrap_or(&material.parameters);
-            for (parameter, value) in parameters.iter_mut().zip(&own[..B::PARAMETERS]) {
-                parameter[lane] = *value;
-            }
         }
-        let [nx, ny, nz, sx, sy, sz, vx, vy, vz, tr, tg, tb, index_square, a, b, c, d, e, f] =
+        let [nx, ny, nz, sx, sy, sz, vx, vy, vz, tr, tg, tb, index_square, a, b, c, d, e, f, lobe] =
             components.map(f32x8::from);
         let inputs = Self {
             origin: pack(origins),
@@ -245,10 +265,12 @@ impl ShadingInputs {
             to_viewer: FieldVec3::new(vx, vy, vz),
             throughput: FieldVec3::new(tr, tg, tb),
             index_square,
+            inside,
             choice: [a, b],
             light: [c, d],
             scatter: [e, f],
+            lobe,
         };
-        (inputs, parameters.map(f32x8::from), samples_lights)
+        (inputs, samples_lights)
     }
 }

@@ -13,7 +13,7 @@
 use super::camera::{camera_rays_in_lanes, pixel_sampler};
 use super::guides::{Guide, GuideRecorder};
 use super::medium::transmittance;
-use super::opaque_surfaces::{LightOfPaths, ScatteredPaths, ShadingInputs, roulette, shade_lanes};
+use super::opaque_surfaces::{LightOfPaths, ScatteredPaths, ShadingInputs, kind_in_lanes, roulette, shade_lanes};
 use super::participating_media::medium_after;
 use super::path::{self, emission_towards, shade};
 use super::path_reuse::PathReuse;
@@ -21,19 +21,20 @@ use super::path_state::{Path, ROULETTE_DEPTH, clamped, clamped_lanes, escaped_ra
 use super::shadow::{ShadowTest, direct_light};
 use super::splitting::camera_ray_index;
 use super::surface_samples::SurfaceSample;
-use crate::intersect::ray::{Ray, Rays8, lane_of, mask_of, pack, set_bits, set_lane, transposed, unpack};
+use crate::intersect::ray::{Ray, Rays8, lane_of, mask_of, pack, set_bits, set_lane, unpack};
 use crate::sampling::basis::Basis8;
 use crate::sampling::sobol::{PixelSampler8, pair};
 #[cfg(any(doc, test))]
 use crate::scene::KernelConfig;
-use crate::scene::material::{CLEAR, DELTA, EMITS, GLOWS, LAMBERTIAN};
+use crate::scene::material::{CLEAR, DELTA, EMITS, GLOWS};
 use crate::scene::{Medium, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, Surfaces8};
 use crate::shading::textured_point::TexturedPoint;
 use glam::Vec3;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use pathmarch_scene::materials::{
-    BsdfInLanes, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes, SmoothSampleInLanes,
+    BsdfInLanes, BsdfParameters, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes, PrincipledInLanes,
+    SmoothInLanes, SmoothSampleInLanes,
 };
 use wide::f32x8;
 
@@ -452,6 +453,16 @@ impl Packet {
         let chooses = light_samples > 0 && (ctx.scene.lights.len() > 1 || surface_index > ROULETTE_DEPTH);
         let parts = if surface_index == 0 { ctx.config.indirect_samples } else { 1 };
         let samplers = self.samplers.part(part, parts);
+        let [diffuse, metal, principled, smooth] =
+            [materials.diffuse, materials.metal, materials.principled, materials.smooth]
+                .map(|lanes| self.alive & lanes);
+        let in_lanes = diffuse | metal | principled;
+        let others = self.alive & !in_lanes & !smooth;
+        let samples_lights = in_lanes & !materials.delta;
+        let lobe = match ctx.config.chooses_lobes && (principled | smooth | others) != 0 {
+            true => random(&samplers, pair::PAIR_LOBE),
+            false => [f32x8::ZERO; 2],
+        };
         let inputs = ShadingInputs {
             origin: surfaces.p + surfaces.normal_offset,
             normal: surfaces.normal,
@@ -459,16 +470,14 @@ impl Packet {
             to_viewer: -self.direction,
             throughput: self.throughput,
             index_square: self.index_square,
+            inside: surfaces.inside,
             choice: if chooses { random(&self.samplers, pair::PAIR_CHOICE) } else { [f32x8::ZERO; 2] },
             light: if light_samples > 0 { random(&self.samplers, pair::PAIR_LIGHT) } else { [f32x8::ZERO; 2] },
             scatter: random(&samplers, pair::PAIR_SCATTER),
+            lobe: lobe[0],
         };
         let origin = inputs.origin;
         let leaving = Leaving { ctx, surfaces, inputs, light_samples, surface_index };
-        let (diffuse, metal) = (self.alive & materials.diffuse, self.alive & materials.metal);
-        let smooth = self.alive & materials.smooth;
-        let others = self.alive & !diffuse & !metal & !smooth;
-        let samples_lights = (diffuse | metal) & !materials.delta;
         self.alive = 0;
         let mut tests = Vec::new();
         if diffuse != 0 {
@@ -478,18 +487,18 @@ impl Packet {
             let guides = guides.as_deref_mut();
             self.scatter_kind::<MetalInLanes>(&leaving, metal, samples_lights & metal, &mut tests, guides);
         }
-        let lobe = match ctx.config.chooses_lobes && (smooth | others) != 0 {
-            true => random(&samplers, pair::PAIR_LOBE),
-            false => [f32x8::ZERO; 2],
-        };
+        if principled != 0 {
+            let guides = guides.as_deref_mut();
+            let samples_lights = samples_lights & principled;
+            self.scatter_kind::<PrincipledInLanes>(&leaving, principled, samples_lights, &mut tests, guides);
+        }
         if smooth != 0 {
-            self.scatter_smooth(&leaving, smooth, lobe[0]);
+            self.scatter_smooth(&leaving, smooth);
         }
         if others != 0 {
-            self.scatter_each(&leaving, others, lobe, &mut tests);
+            self.scatter_each(&leaving, others, lobe[1], &mut tests);
         }
-        let is_in_lanes = mask_of(diffuse | metal);
-        self.origin = FieldVec3::select(is_in_lanes, origin, self.origin);
+        self.origin = FieldVec3::select(mask_of(in_lanes), origin, self.origin);
         self.lights_are_counted &= smooth | others;
         self.has_previous_normal |= samples_lights;
         let samples_lights = mask_of(samples_lights);
@@ -520,7 +529,9 @@ impl Packet {
         mut guides: Option<&mut GuideRecorder>,
     ) {
         let &Leaving { ctx, surfaces, ref inputs, light_samples, surface_index } = leaving;
-        let parameters = self.parameters(ctx, surfaces, bits, B::PARAMETERS);
+        let mut textured = [None; 8];
+        self.texture(ctx, surfaces, bits, &mut textured);
+        let parameters = parameters_of(ctx, surfaces, bits, &textured, B::PARAMETERS);
         let light_samples = (if samples_lights == 0 { 0 } else { light_samples }, samples_lights);
         let ScatteredPaths { direction, throughput, pdf, goes_on } =
             shade_lanes::<B>(ctx, inputs, &parameters, light_samples, surface_index, |light| {
@@ -535,16 +546,16 @@ impl Packet {
 
     /// [`scatter`](Self::scatter) for lanes with perfectly smooth glass, for which no light is sampled.
     #[inline(always)]
-    fn scatter_smooth(&mut self, leaving: &Leaving, bits: u32, choice: f32x8) {
+    fn scatter_smooth(&mut self, leaving: &Leaving, bits: u32) {
         let &Leaving { ctx, surfaces, ref inputs, surface_index, .. } = leaving;
         let first = surfaces.leaf[bits.trailing_zeros() as usize];
         let bsdf = ctx.scene.bsdfs[ctx.scene.leaves[first].material as usize];
         let Some(smooth) = bsdf.and_then(|bsdf| bsdf.smooth_in_lanes) else { return };
         let basis = Basis8::new(inputs.shading_normal);
         let wo = basis.local_viewer(inputs.to_viewer);
-        let parameters = self.parameters(ctx, surfaces, bits, 0);
+        let parameters = parameters_of(ctx, surfaces, bits, &[None; 8], SmoothInLanes::PARAMETERS);
         let SmoothSampleInLanes { wi, weight, eta } =
-            (smooth.sample)(&parameters, wo, mask_of(surfaces.inside), choice);
+            (smooth.sample)(&parameters, wo, mask_of(inputs.inside), inputs.lobe);
         let direction = basis.to_world(wi).normalized();
         let transmitted = Mask8(wi.z.simd_lt(f32x8::ZERO));
         let throughput = self.throughput.times(weight);
@@ -572,7 +583,8 @@ impl Packet {
     }
 
     /// [`scatter`](Self::scatter) for lanes with materials that are shaded one by one.
-    fn scatter_each(&mut self, leaving: &Leaving, bits: u32, lobe: [f32x8; 2], tests: &mut Vec<ShadowTest>) {
+    /// `wavelength` are the random numbers that choose these.
+    fn scatter_each(&mut self, leaving: &Leaving, bits: u32, wavelength: f32x8, tests: &mut Vec<ShadowTest>) {
         let &Leaving { ctx, surfaces, ref inputs, light_samples, surface_index } = leaving;
         for lane in set_bits(bits) {
             let of_lane = |numbers: [f32x8; 2]| numbers.map(|number| number.as_array()[lane]);
@@ -581,7 +593,7 @@ impl Packet {
                 choice: of_lane(inputs.choice),
                 light: of_lane(inputs.light),
                 scatter: of_lane(inputs.scatter),
-                lobe: of_lane(lobe),
+                lobe: of_lane([inputs.lobe, wavelength]),
             };
             let interaction = self.interaction(surfaces, lane);
             let mut path = Path { slot: lane, ..self.path(lane) };
@@ -637,32 +649,36 @@ impl Packet {
         }
     }
 
-    /// Parameters of the materials of these lanes, of which textures may replace the first `count`.
+    /// Parameters of the materials of these lanes where textures replace some.
     #[inline(always)]
-    fn parameters(&self, ctx: &TraceContext, surfaces: &Surfaces8, bits: u32, count: usize) -> ParametersInLanes {
-        let any = bits.trailing_zeros() as usize & 7;
-        let material = |lane: usize| {
-            let lane = if bits >> lane & 1 == 1 { lane } else { any };
-            ctx.scene.material_of(surfaces.leaf[lane])
-        };
-        let mut rows = [[0.0; 8]; 8];
-        for (lane, row) in rows.iter_mut().enumerate() {
-            row.copy_from_slice(&material(lane).parameters[..8]);
+    fn texture(&self, ctx: &TraceContext, surfaces: &Surfaces8, bits: u32, textured: &mut [Option<BsdfParameters>; 8]) {
+        if !ctx.config.textures {
+            return;
         }
-        let mut parameters = transposed(rows);
-        if ctx.config.textures && count > 0 {
-            for lane in set_bits(bits) {
-                let interaction = self.interaction(surfaces, lane);
-                if let Some(textured) = TexturedPoint::new(ctx, &interaction, interaction.length) {
-                    let own = textured.parameters(&material(lane).parameters);
-                    for (parameter, value) in parameters.iter_mut().zip(&own[..count]) {
-                        parameter.as_mut_array()[lane] = *value;
-                    }
-                }
-            }
+        for lane in set_bits(bits) {
+            let interaction = self.interaction(surfaces, lane);
+            let point = TexturedPoint::new(ctx, &interaction, interaction.length);
+            textured[lane] =
+                point.map(|point| point.parameters(&ctx.scene.material_of(surfaces.leaf[lane]).parameters));
         }
-        parameters
     }
+}
+
+/// The first `count` parameters of the materials of these lanes, or those that textures give; the others are those of any of them.
+#[inline(always)]
+fn parameters_of<'a>(
+    ctx: &TraceContext<'a>,
+    surfaces: &Surfaces8,
+    bits: u32,
+    textured: &'a [Option<BsdfParameters>; 8],
+    count: usize,
+) -> ParametersInLanes<'a> {
+    let any = bits.trailing_zeros() as usize & 7;
+    let of_lane = |lane: usize| {
+        let lane = if bits >> lane & 1 == 1 { lane } else { any };
+        textured[lane].as_ref().unwrap_or(&ctx.scene.material_of(surfaces.leaf[lane]).parameters)
+    };
+    ParametersInLanes::new(std::array::from_fn(of_lane), count)
 }
 
 /// Surfaces that paths leave.
@@ -685,6 +701,7 @@ struct MaterialsOfLanes {
     delta: u32,
     diffuse: u32,
     metal: u32,
+    principled: u32,
     /// Perfectly smooth glass without textures.
     smooth: u32,
 }
@@ -692,7 +709,7 @@ struct MaterialsOfLanes {
 impl MaterialsOfLanes {
     #[inline(always)]
     fn new(ctx: &TraceContext, surfaces: &Surfaces8) -> Self {
-        let mut result = Self { emitting: 0, ending: 0, delta: 0, diffuse: 0, metal: 0, smooth: 0 };
+        let mut result = Self { emitting: 0, ending: 0, delta: 0, diffuse: 0, metal: 0, principled: 0, smooth: 0 };
         for lane in 0..8 {
             let material = ctx.scene.leaves[surfaces.leaf[lane]].material as usize;
             let flags = ctx.scene.materials[material].flags;
@@ -700,9 +717,11 @@ impl MaterialsOfLanes {
             result.emitting |= bit(EMITS | GLOWS);
             result.ending |= bit(EMITS);
             result.delta |= bit(DELTA);
-            result.diffuse |= bit(LAMBERTIAN);
-            let kind = ctx.scene.bsdfs[material].and_then(|bsdf| bsdf.in_lanes);
-            result.metal |= u32::from(kind == Some(KindInLanes::Metal)) << lane;
+            let kind = kind_in_lanes(ctx, material);
+            let is_kind = |other: KindInLanes| u32::from(kind == Some(other)) << lane;
+            result.diffuse |= is_kind(KindInLanes::Diffuse);
+            result.metal |= is_kind(KindInLanes::Metal);
+            result.principled |= is_kind(KindInLanes::Principled);
             result.smooth |= u32::from(flags & CLEAR == CLEAR && is_smooth_in_lanes(ctx, material)) << lane;
         }
         result

@@ -253,7 +253,7 @@ fn scatter(
             continue;
         }
         if let Vertex::Surface(interaction) = vertex
-            && let Some(kind) = kind_in_lanes(ctx, interaction.leaf)
+            && let Some(kind) = kind_in_lanes(ctx, ctx.scene.leaves[interaction.leaf].material as usize)
         {
             match opaque.iter_mut().find(|(other, _)| *other == kind) {
                 Some((_, surfaces)) => surfaces.push((index, interaction)),

@@ -36,7 +36,7 @@ use glam::Vec3;
 use light::{SceneLights, SpotLight, TrianglesLight};
 use material::TRANSMITS;
 use pathmarch_field::{Aabb, Field};
-use pathmarch_scene::materials::{Bsdf, BsdfParameters};
+use pathmarch_scene::materials::{Bsdf, BsdfParameters, KindInLanes};
 use pathmarch_scene::{Camera, Material, Scene};
 
 /// This flag where the condition holds, else 0.
@@ -54,6 +54,8 @@ pub(crate) struct RenderScene {
     pub(crate) base_colours: Vec<[f32; 3]>,
     /// BSDF of each material; `None` for emitters.
     pub(crate) bsdfs: Vec<Option<&'static Bsdf>>,
+    /// Kinds of the materials whose scattering functions exist in lanes.
+    pub(crate) kinds_in_lanes: Vec<Option<KindInLanes>>,
     /// Textures, bump map and orbit trap of each material.
     pub(crate) textured_materials: Vec<TexturedMaterial>,
     /// Lights that can be sampled, suns first. The lights of the tree come last.
@@ -87,12 +89,19 @@ impl RenderScene {
         }
         let textured_materials: Vec<_> = scene.materials.iter().map(TexturedMaterial::new).collect();
         let materials = scene.materials.iter().zip(&textured_materials);
+        let materials: Vec<MaterialRecord> =
+            materials.map(|(material, textured)| MaterialRecord::new(material, textured)).collect();
+        let bsdfs: Vec<Option<&'static Bsdf>> = scene.materials.iter().map(|material| material.kind.bsdf).collect();
+        let kind_in_lanes = |(record, bsdf): (&MaterialRecord, &Option<&'static Bsdf>)| {
+            (*bsdf)?.in_lanes.filter(|_| !record.has(TRANSMITS))
+        };
         Self {
             field: scene.field.clone(),
             leaves: leaf::records(scene, &lights),
-            materials: materials.map(|(material, textured)| MaterialRecord::new(material, textured)).collect(),
+            kinds_in_lanes: materials.iter().zip(&bsdfs).map(kind_in_lanes).collect(),
+            materials,
             base_colours: scene.materials.iter().map(base_colour).collect(),
-            bsdfs: scene.materials.iter().map(|material| material.kind.bsdf).collect(),
+            bsdfs,
             textured_materials,
             lights,
             light_tree: tree,

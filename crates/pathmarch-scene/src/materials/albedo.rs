@@ -7,6 +7,7 @@
 
 use super::microfacet::{MIN_ALPHA, fifth_power, reflect, unshadowed, visible_normal};
 use glam::Vec3;
+use pathmarch_field::number::Real;
 use std::sync::OnceLock;
 
 /// Rows of the table, over roughness 0 to 1.
@@ -46,18 +47,34 @@ pub(super) fn integrate(cosine: f32, alpha: f32, factor: impl Fn(f32) -> f32) ->
     (0..SAMPLES * SAMPLES).map(facet).sum::<f32>() / (SAMPLES * SAMPLES) as f32
 }
 
-/// (a, b) for a cosine and a roughness, both 0 to 1, between the table's points.
-pub(super) fn lookup(cosine: f32, roughness: f32) -> [f32; 2] {
-    let table = table();
-    let x = cosine.clamp(0.0, 1.0).sqrt() * (COSINES - 1) as f32;
-    let y = roughness.clamp(0.0, 1.0) * (ROUGHNESSES - 1) as f32;
-    let (column, row) = ((x as usize).min(COSINES - 2), (y as usize).min(ROUGHNESSES - 2));
-    let (s, t) = (x - column as f32, y - row as f32);
-    let at = |row: usize, column: usize| table[row * COSINES + column];
-    std::array::from_fn(|k| {
-        let mix = |row: usize| at(row, column)[k] * (1.0 - s) + at(row, column + 1)[k] * s;
-        mix(row) * (1.0 - t) + mix(row + 1) * t
+/// The table with four numbers for each column but the last: (a, b) of the column and of the next one.
+fn pairs() -> &'static [f32] {
+    static PAIRS: OnceLock<Vec<f32>> = OnceLock::new();
+    PAIRS.get_or_init(|| {
+        let of_row =
+            |row: &[[f32; 2]]| row.windows(2).flat_map(|pair| pair.as_flattened().to_vec()).collect::<Vec<_>>();
+        table().chunks(COSINES).flat_map(of_row).collect()
     })
+}
+
+/// (a, b) for a cosine and a roughness, both 0 to 1, between the table's points.
+#[inline(always)]
+pub(super) fn lookup<N: Real>(cosine: N, roughness: N) -> [N; 2] {
+    let (table, zero, one) = (pairs(), N::zero(), N::one());
+    // Cell of a table of so many points that a share of it is in, and its place there.
+    let place = |share: N, points: usize| {
+        let place = share.clamp(zero, one) * N::constant((points - 1) as f32);
+        let cell = place.floor().min(N::constant((points - 2) as f32));
+        (cell, place - cell)
+    };
+    let (column, s) = place(cosine.max(zero).sqrt(), COSINES);
+    let (row, t) = place(roughness, ROUGHNESSES);
+    let in_row = |row: N| {
+        let [a, b, next_a, next_b] = N::vector(table, row * N::constant((COSINES - 1) as f32) + column);
+        [a * (one - s) + next_a * s, b * (one - s) + next_b * s]
+    };
+    let (lower, upper) = (in_row(row), in_row(row + one));
+    std::array::from_fn(|k| lower[k] * (one - t) + upper[k] * t)
 }
 
 /// The mean of a function of the cosine over the hemisphere, each direction weighed by its own cosine.

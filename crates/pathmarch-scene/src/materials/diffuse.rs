@@ -8,7 +8,7 @@ use super::{
 };
 use glam::Vec3;
 use pathmarch_field::Range;
-use pathmarch_field::number::{Real, Vec3 as FieldVec3, unit_circle};
+use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3, unit_circle};
 use std::f32::consts::FRAC_1_PI;
 use wide::f32x8;
 
@@ -67,22 +67,33 @@ fn sample(parameters: &BsdfParameters, _wo: Vec3, _inside: bool, [u, v, _]: [f32
     Some(Scattered { wi: wi.into(), weight: colour_of(parameters), pdf: wi.z * FRAC_1_PI, eta: 1.0 })
 }
 
-/// Lambertian reflection for eight paths.
-pub struct DiffuseInLanes;
+/// Lambertian reflection of these albedos for eight paths.
+pub struct DiffuseInLanes(FieldVec3<f32x8>);
 
 impl BsdfInLanes for DiffuseInLanes {
     const PARAMETERS: usize = 3;
 
     #[inline(always)]
-    fn eval([r, g, b, ..]: &ParametersInLanes, _wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes {
-        let pdf = wi.z.max(f32x8::ZERO) * f32x8::splat(FRAC_1_PI);
-        EvalInLanes { value: FieldVec3::new(*r, *g, *b) * pdf, pdf }
+    fn new(parameters: &ParametersInLanes, _wo: FieldVec3<f32x8>, _inside: Mask8) -> Self {
+        let [r, g, b, ..] = parameters.first;
+        Self(FieldVec3::new(r, g, b))
     }
 
     #[inline(always)]
-    fn sample([r, g, b, ..]: &ParametersInLanes, _wo: FieldVec3<f32x8>, random: [f32x8; 2]) -> ScatteredInLanes {
-        let wi = cosine_direction(random);
-        ScatteredInLanes { wi, weight: FieldVec3::new(*r, *g, *b), pdf: wi.z * f32x8::splat(FRAC_1_PI) }
+    fn eval(&self, _parameters: &ParametersInLanes, _wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes {
+        let pdf = wi.z.max(f32x8::ZERO) * f32x8::splat(FRAC_1_PI);
+        EvalInLanes { value: self.0 * pdf, pdf }
+    }
+
+    #[inline(always)]
+    fn sample(
+        &self,
+        _parameters: &ParametersInLanes,
+        _wo: FieldVec3<f32x8>,
+        [u, v, _]: [f32x8; 3],
+    ) -> ScatteredInLanes {
+        let wi = cosine_direction([u, v]);
+        ScatteredInLanes { wi, weight: self.0, pdf: wi.z * f32x8::splat(FRAC_1_PI) }
     }
 }
 

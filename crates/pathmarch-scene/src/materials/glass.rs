@@ -24,8 +24,8 @@ use super::microfacet::{
 };
 use super::{
     Bsdf, BsdfParameters, Dielectric, Eval, Facets, MaterialKind, ParametersInLanes, PreviewMaterial, Scattered,
-    SmoothInLanes, SmoothSampleInLanes, Texturing, abbe,
-    absorption, anisotropy, black, colour, colour_of, glow, ior, multiscatter, priority, roughness, scattering, thin,
+    SmoothInLanes, SmoothSampleInLanes, Texturing, abbe, absorption, anisotropy, black, colour, colour_of, glow, ior,
+    multiscatter, priority, roughness, scattering, thin,
 };
 use crate::medium::Medium;
 use glam::Vec3;
@@ -280,11 +280,12 @@ fn sample_smooth(
     choice: f32x8,
 ) -> SmoothSampleInLanes {
     let (zero, one) = (f32x8::ZERO, f32x8::ONE);
-    let index = parameters[IOR];
+    let [r, g, b] = [0, 1, 2].map(|k| parameters.first[k]);
+    let index = parameters.first[IOR];
     let eta = Real::select(inside, one / index, index);
     let h = FieldVec3::new(zero, zero, one);
     let is_reflected = Mask8(choice.simd_lt(fresnel(wo.dot(h), eta)));
-    let colour = FieldVec3::new(parameters[0], parameters[1], parameters[2]);
+    let colour = FieldVec3::new(r, g, b);
     SmoothSampleInLanes {
         wi: FieldVec3::select(is_reflected, reflect(wo, h), refract(wo, h, eta)),
         weight: FieldVec3::select(is_reflected, FieldVec3::splat(one), colour / (eta * eta)),

@@ -7,12 +7,12 @@ use super::albedo::lookup;
 use super::microfacet::{FOCUSING_ALPHA, MIRROR_ALPHA, reflect, reflection, schlick, unshadowed, visible_normal};
 use super::{
     Bsdf, BsdfInLanes, BsdfParameters, Eval, EvalInLanes, Facets, KindInLanes, MaterialKind, ParametersInLanes,
-    PreviewMaterial, Scattered, ScatteredInLanes, Texturing, colour, colour_of, emission, multiscatter, no_dielectric,
-    roughness, vacuum,
+    PreviewMaterial, Scattered, ScatteredInLanes, Texturing, colour, emission, multiscatter, no_dielectric, roughness,
+    vacuum,
 };
 use glam::Vec3;
 use pathmarch_field::Range;
-use pathmarch_field::number::{Real, Vec3 as FieldVec3};
+use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use wide::f32x8;
 
 pub(super) static KIND: MaterialKind = MaterialKind {
@@ -79,15 +79,6 @@ pub(super) static KIND: MaterialKind = MaterialKind {
     }),
 };
 
-/// Factor that gives back light lost between the facets.
-fn compensation(colour: Vec3, multiscatter: f32, alpha: f32, cosine: f32) -> Vec3 {
-    if multiscatter == 0.0 {
-        return Vec3::ONE;
-    }
-    let [a, b] = lookup(cosine, alpha.sqrt());
-    Vec3::ONE + colour * (multiscatter * (1.0 / (a + b) - 1.0))
-}
-
 /// Metal for one path, or for eight.
 struct Metal<N> {
     f0: FieldVec3<N>,
@@ -98,6 +89,18 @@ struct Metal<N> {
 }
 
 impl<N: Real> Metal<N> {
+    /// Metal of these parameters, seen at this cosine; `compensates` if `multiscatter` is above 0 anywhere.
+    #[inline(always)]
+    fn new(parameters: [N; 8], cosine: N, compensates: bool) -> Self {
+        let [r, g, b, alpha, edge_r, edge_g, edge_b, multiscatter] = parameters;
+        let (f0, mut compensation) = (FieldVec3::new(r, g, b), FieldVec3::splat(N::one()));
+        if compensates {
+            let [a, b] = lookup(cosine, alpha.sqrt());
+            compensation = compensation + f0 * (multiscatter * (N::one() / (a + b) - N::one()));
+        }
+        Self { f0, f90: FieldVec3::new(edge_r, edge_g, edge_b), alpha, compensation }
+    }
+
     fn is_mirror(&self) -> N::Mask {
         self.alpha.lt(N::constant(MIRROR_ALPHA))
     }
@@ -133,60 +136,43 @@ impl<N: Real> Metal<N> {
 }
 
 impl Metal<f32> {
-    fn new(parameters: &BsdfParameters, wo: Vec3) -> Self {
-        let (colour, alpha) = (colour_of(parameters), parameters[3]);
-        Self {
-            f0: colour.into(),
-            f90: Vec3::from_slice(&parameters[4..7]).into(),
-            alpha,
-            compensation: compensation(colour, parameters[7], alpha, wo.z).into(),
-        }
-    }
-}
-
-impl Metal<f32x8> {
-    fn new([r, g, b, alpha, edge_r, edge_g, edge_b, multiscatter]: &ParametersInLanes, wo: FieldVec3<f32x8>) -> Self {
-        let f0 = FieldVec3::new(*r, *g, *b);
-        let mut compensation = FieldVec3::splat(f32x8::ONE);
-        let shares = multiscatter.to_array();
-        if shares != [0.0; 8] {
-            let [r, g, b, alpha, cosine] = [*r, *g, *b, *alpha, wo.z].map(f32x8::to_array);
-            let factors: [Vec3; 8] = std::array::from_fn(|lane| {
-                let colour = Vec3::new(r[lane], g[lane], b[lane]);
-                self::compensation(colour, shares[lane], alpha[lane], cosine[lane])
-            });
-            let component = |k: usize| f32x8::from(factors.map(|factor| factor[k]));
-            compensation = FieldVec3::new(component(0), component(1), component(2));
-        }
-        Self { f0, f90: FieldVec3::new(*edge_r, *edge_g, *edge_b), alpha: *alpha, compensation }
+    fn of(parameters: &BsdfParameters, wo: Vec3) -> Self {
+        let numbers: [f32; 8] = std::array::from_fn(|k| parameters[k]);
+        Self::new(numbers, wo.z, numbers[7] > 0.0)
     }
 }
 
 fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, _inside: bool) -> Eval {
-    let (value, pdf) = Metal::<f32>::new(parameters, wo).eval(wo.into(), wi.into());
+    let (value, pdf) = Metal::of(parameters, wo).eval(wo.into(), wi.into());
     Eval { value: value.into(), pdf }
 }
 
 fn sample(parameters: &BsdfParameters, wo: Vec3, _inside: bool, [u, v, _]: [f32; 3]) -> Option<Scattered> {
-    let (wi, weight, pdf) = Metal::<f32>::new(parameters, wo).sample(wo.into(), [u, v]);
+    let (wi, weight, pdf) = Metal::of(parameters, wo).sample(wo.into(), [u, v]);
     (wi.z > 0.0).then(|| Scattered { wi: wi.into(), weight: weight.into(), pdf, eta: 1.0 })
 }
 
 /// Metal for eight paths.
-pub struct MetalInLanes;
+pub struct MetalInLanes(Metal<f32x8>);
 
 impl BsdfInLanes for MetalInLanes {
     const PARAMETERS: usize = 8;
 
     #[inline(always)]
-    fn eval(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes {
-        let (value, pdf) = Metal::<f32x8>::new(parameters, wo).eval(wo, wi);
+    fn new(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, _inside: Mask8) -> Self {
+        let numbers: [f32x8; 8] = std::array::from_fn(|k| parameters.first[k]);
+        Self(Metal::new(numbers, wo.z, numbers[7].to_array() != [0.0; 8]))
+    }
+
+    #[inline(always)]
+    fn eval(&self, _parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes {
+        let (value, pdf) = self.0.eval(wo, wi);
         EvalInLanes { value, pdf }
     }
 
     #[inline(always)]
-    fn sample(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, random: [f32x8; 2]) -> ScatteredInLanes {
-        let (wi, weight, pdf) = Metal::<f32x8>::new(parameters, wo).sample(wo, random);
+    fn sample(&self, _parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, [u, v, _]: [f32x8; 3]) -> ScatteredInLanes {
+        let (wi, weight, pdf) = self.0.sample(wo, [u, v]);
         ScatteredInLanes { wi, weight, pdf }
     }
 }

@@ -20,6 +20,7 @@ pub use microfacet::fresnel;
 pub use orbit_trap::{OrbitTrap, Trap};
 use pathmarch_field::number::{Mask8, Vec3 as FieldVec3};
 use pathmarch_field::{Param, Range};
+pub use principled::PrincipledInLanes;
 use wide::f32x8;
 
 /// Type of a material's parameter.
@@ -210,7 +211,7 @@ pub struct Bsdf {
     pub sample: fn(&BsdfParameters, wo: Vec3, inside: bool, random: [f32; 3]) -> Option<Scattered>,
     /// Facets of the surface; `None` if all its light is scattered below the surface, or in single directions.
     pub facets: Option<&'static Facets>,
-    /// The same for eight paths at once, of an opaque surface that uses no third random number; `None` if there are none.
+    /// The same for eight paths at once, where the surface does not transmit; `None` if there are none.
     pub in_lanes: Option<KindInLanes>,
     /// Sampling for eight paths at once where the surface is perfectly smooth and transmits.
     pub smooth_in_lanes: Option<&'static SmoothInLanes>,
@@ -285,19 +286,45 @@ pub enum KindInLanes {
     Diffuse,
     /// [`MetalInLanes`].
     Metal,
+    /// [`PrincipledInLanes`].
+    Principled,
 }
 
-/// First eight [`BsdfParameters`] of eight surfaces.
-pub type ParametersInLanes = [f32x8; 8];
+/// [`BsdfParameters`] of eight surfaces.
+pub struct ParametersInLanes<'a> {
+    /// The first of them, number by number.
+    first: [f32x8; 16],
+    surfaces: [&'a BsdfParameters; 8],
+}
 
-/// Scattering functions of an opaque surface for eight paths at once, as those of [`Bsdf`] for one.
-pub trait BsdfInLanes {
-    /// Number of parameters that they read.
+impl<'a> ParametersInLanes<'a> {
+    /// Parameters of these surfaces, of which functions read the first `count` in lanes, at most 16.
+    #[inline(always)]
+    pub fn new(surfaces: [&'a BsdfParameters; 8], count: usize) -> Self {
+        let mut first = [f32x8::ZERO; 16];
+        for (k, eight) in first.chunks_exact_mut(8).enumerate().filter(|(k, _)| 8 * k < count) {
+            let mut rows = [f32x8::ZERO; 8];
+            for (row, parameters) in rows.iter_mut().zip(surfaces) {
+                let mut numbers = [0.0; 8];
+                numbers.copy_from_slice(&parameters[8 * k..8 * k + 8]);
+                *row = f32x8::from(numbers);
+            }
+            eight.copy_from_slice(&f32x8::transpose(rows));
+        }
+        Self { first, surfaces }
+    }
+}
+
+/// Scattering functions of eight opaque surfaces, each seen from a direction `wo`, as those of [`Bsdf`] for one.
+pub trait BsdfInLanes: Sized {
+    /// Number of parameters that they read in lanes.
     const PARAMETERS: usize;
+    /// What does not depend on `wi`; `inside` is true where `wo` is within the solid.
+    fn new(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, inside: Mask8) -> Self;
     /// The values and densities of a direction of each.
-    fn eval(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes;
-    /// A random direction of each, of two uniform numbers in 0..1.
-    fn sample(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, random: [f32x8; 2]) -> ScatteredInLanes;
+    fn eval(&self, parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes;
+    /// A random direction of each, of three uniform numbers in 0..1, as [`Bsdf::sample`].
+    fn sample(&self, parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, random: [f32x8; 3]) -> ScatteredInLanes;
 }
 
 /// Sampling of a perfectly smooth interface for eight paths at once, as [`Bsdf::sample`] for one.
@@ -306,6 +333,11 @@ pub struct SmoothInLanes {
     pub is_smooth: fn(&BsdfParameters) -> bool,
     /// A random direction of each, for `wo` from the inside of the solid or not, of the random number that chooses the lobe.
     pub sample: fn(&ParametersInLanes, FieldVec3<f32x8>, Mask8, f32x8) -> SmoothSampleInLanes,
+}
+
+impl SmoothInLanes {
+    /// Number of parameters that [`sample`](Self::sample) reads in lanes, at most.
+    pub const PARAMETERS: usize = 8;
 }
 
 /// [`Scattered`] of eight smooth interfaces, whose densities are those of single directions.

@@ -19,13 +19,16 @@ use super::microfacet::{
     unhidden, visible_normal,
 };
 use super::{
-    Bsdf, BsdfParameters, Dielectric, Eval, Facets, MaterialKind, PreviewMaterial, Scattered, Texturing, absorption,
-    anisotropy, colour, colour_of, emission, fraction, glow, ior, priority, roughness, scattering,
+    Bsdf, BsdfInLanes, BsdfParameters, Dielectric, Eval, EvalInLanes, Facets, KindInLanes, MaterialKind,
+    ParametersInLanes, PreviewMaterial, Scattered, ScatteredInLanes, Texturing, absorption, anisotropy, colour,
+    emission, fraction, glow, ior, priority, roughness, scattering,
 };
 use crate::medium::Medium;
 use glam::Vec3;
 use pathmarch_field::Range;
-use std::f32::consts::PI;
+use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
+use std::f32::consts::FRAC_1_PI;
+use wide::f32x8;
 
 /// Reflection of the coat at normal incidence: index 1.5.
 pub(super) const COAT_F0: f32 = 0.04;
@@ -98,7 +101,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
             },
             are_coloured: |parameters| parameters[METALLIC] > 0.5,
         }),
-        in_lanes: None,
+        in_lanes: Some(KindInLanes::Principled),
         smooth_in_lanes: None,
         wgsl: include_str!("principled.wgsl"),
     }),
@@ -152,7 +155,7 @@ fn pack(values: &[[f32; 3]]) -> BsdfParameters {
     for k in 0..SHARES {
         parameters[TABLE + k] = integrated_albedo(k, rough, ior, f0);
     }
-    parameters[SPECULAR_MEAN] = hemisphere_mean(|cosine| specular_albedo(&parameters, cosine));
+    parameters[SPECULAR_MEAN] = hemisphere_mean(|cosine| parameters.specular_albedo(cosine));
     parameters[COAT] = coat;
     parameters[COAT_ROUGHNESS] = coat_rough;
     parameters[COAT_MEAN] = hemisphere_mean(|cosine| coat_albedo(cosine, coat_rough));
@@ -161,19 +164,52 @@ fn pack(values: &[[f32; 3]]) -> BsdfParameters {
 }
 
 /// Factor that gives back what is lost between the facets; the same for light of any colour but for its F0.
-fn compensation(f0: f32, [a, b]: [f32; 2]) -> f32 {
-    1.0 + f0 * (1.0 / (a + b) - 1.0)
+fn compensation<N: Real>(f0: N, [a, b]: [N; 2]) -> N {
+    N::one() + f0 * (N::one() / (a + b) - N::one())
 }
 
 /// Cosines at which the numbers hold the share of light that the dielectric interface reflects.
 const SHARES: usize = 16;
 
-/// Share of the light from a direction that the dielectric interface reflects.
-fn specular_albedo(parameters: &BsdfParameters, cosine: f32) -> f32 {
-    let place = cosine.clamp(0.0, 1.0).sqrt() * (SHARES - 1) as f32;
-    let k = (place as usize).min(SHARES - 2);
-    let share = |k: usize| parameters[TABLE + k];
-    share(k) + (share(k + 1) - share(k)) * (place - k as f32)
+/// Parameters of one surface, or of eight.
+trait Parameters<N> {
+    /// The first of them.
+    fn first(&self) -> [N; TRANSMISSION + 1];
+    /// True if a surface has a coat.
+    fn has_coat(&self) -> bool;
+    /// Share of the light from a direction that the dielectric interface reflects.
+    fn specular_albedo(&self, cosine: N) -> N;
+}
+
+impl Parameters<f32> for BsdfParameters {
+    fn first(&self) -> [f32; TRANSMISSION + 1] {
+        std::array::from_fn(|k| self[k])
+    }
+    fn has_coat(&self) -> bool {
+        self[COAT] > 0.0
+    }
+    fn specular_albedo(&self, cosine: f32) -> f32 {
+        let place = cosine.clamp(0.0, 1.0).sqrt() * (SHARES - 1) as f32;
+        let k = (place as usize).min(SHARES - 2);
+        let share = |k: usize| self[TABLE + k];
+        share(k) + (share(k + 1) - share(k)) * (place - k as f32)
+    }
+}
+
+impl Parameters<f32x8> for ParametersInLanes<'_> {
+    #[inline(always)]
+    fn first(&self) -> [f32x8; TRANSMISSION + 1] {
+        std::array::from_fn(|k| self.first[k])
+    }
+    #[inline(always)]
+    fn has_coat(&self) -> bool {
+        self.first[COAT].to_array() != [0.0; 8]
+    }
+    #[inline(always)]
+    fn specular_albedo(&self, cosine: f32x8) -> f32x8 {
+        let cosines = cosine.to_array();
+        f32x8::from(std::array::from_fn(|lane| self.surfaces[lane].specular_albedo(cosines[lane])))
+    }
 }
 
 /// Reflected fraction at the cosine of table entry `k`, by integration.
@@ -185,143 +221,172 @@ fn integrated_albedo(k: usize, roughness: f32, ior: f32, f0: f32) -> f32 {
 }
 
 /// Share of the light from a direction that a full coat reflects.
-fn coat_albedo(cosine: f32, roughness: f32) -> f32 {
+#[inline(always)]
+fn coat_albedo<N: Real>(cosine: N, roughness: N) -> N {
     let [a, b] = lookup(cosine, roughness);
-    COAT_F0 * a + b
+    N::constant(COAT_F0) * a + b
 }
 
-/// Fresnel's factor of the dielectric.
-fn dielectric(parameters: &BsdfParameters, cosine: f32, inside: bool) -> f32 {
-    fresnel(cosine, if inside { 1.0 / parameters[IOR] } else { parameters[IOR] })
-}
-
-/// Terms that depend on `wo` only.
-struct View {
-    alpha: f32,
-    coat_alpha: f32,
-    /// 1 outside, 0 inside.
-    coat: f32,
+/// Surface of one path, or of eight, seen from a direction.
+struct Principled<N> {
+    colour: FieldVec3<N>,
+    metallic: N,
+    transmission: N,
+    /// Refractive index beyond the interface over that before it.
+    eta: N,
+    alpha: N,
+    coat_alpha: N,
+    coat_roughness: N,
+    /// How much of the surface a coat covers: 0 from within.
+    coat: N,
     /// Share that the coat leaves, towards `wo`.
-    below_coat: f32,
-    /// Albedo split at this direction.
-    split: [f32; 2],
-    specular: f32,
+    below_coat: N,
+    /// Factor of the dielectric that gives back what is lost between its facets; that of a metal of unit colour, less one.
+    compensation: N,
+    metal_compensation: N,
+    /// What the base scatters of a colour of 1, over the shares of the interface and the coat towards `wi`.
+    base: N,
     /// Chances of the coat and of the interface; the rest is diffuse.
-    coat_chance: f32,
-    interface_chance: f32,
-}
-
-fn view(parameters: &BsdfParameters, wo: Vec3, inside: bool) -> View {
-    let (metallic, rough, transmission) = (parameters[METALLIC], parameters[ROUGHNESS], parameters[TRANSMISSION]);
-    let coat = if inside { 0.0 } else { parameters[COAT] };
-    let coat_reflects = coat * coat_albedo(wo.z, parameters[COAT_ROUGHNESS]);
-    let split = lookup(wo.z, rough);
-    let specular = specular_albedo(parameters, wo.z);
-    let colour = colour_of(parameters).max_element();
-    let interface = metallic * colour.max(split[1]) + (1.0 - metallic) * (specular + transmission * (1.0 - specular));
-    let scattered = (1.0 - metallic) * (1.0 - transmission) * (1.0 - specular) * colour;
-    let scattered = if inside { 0.0 } else { scattered };
-    let below = (1.0 - coat_reflects) * (interface + scattered);
-    let coat_chance = coat_reflects / (coat_reflects + below).max(1e-6);
-    let interface_chance = (1.0 - coat_chance) * interface / (interface + scattered).max(1e-6);
-    View {
-        alpha: rough * rough,
-        coat_alpha: parameters[COAT_ROUGHNESS] * parameters[COAT_ROUGHNESS],
-        coat,
-        below_coat: 1.0 - coat_reflects,
-        split,
-        specular,
-        coat_chance,
-        interface_chance,
-    }
-}
-
-/// Chance that a facet at this cosine reflects rather than refracts.
-fn reflect_chance(parameters: &BsdfParameters, dielectric: f32) -> f32 {
-    let reflected = parameters[METALLIC] + (1.0 - parameters[METALLIC]) * dielectric;
-    let refracted = (1.0 - parameters[METALLIC]) * parameters[TRANSMISSION] * (1.0 - dielectric);
-    reflected / (reflected + refracted).max(1e-6)
+    coat_chance: N,
+    interface_chance: N,
 }
 
 /// Light of a pair of directions: what the facets of coat, interface and metal reflect or refract, and what the base
 /// scatters.
-struct Layers {
-    facets: Vec3,
-    base: Vec3,
-    pdf: f32,
+struct Layers<N> {
+    facets: FieldVec3<N>,
+    base: FieldVec3<N>,
+    pdf: N,
+}
+
+impl<N: Real> Principled<N> {
+    #[inline(always)]
+    fn new(parameters: &impl Parameters<N>, wo: FieldVec3<N>, inside: N::Mask) -> Self {
+        let [r, g, b, metallic, rough, ior, f0, specular_mean, coat, coat_roughness, coat_mean, transmission] =
+            parameters.first();
+        let (zero, one, tiny) = (N::zero(), N::one(), N::constant(1e-6));
+        let coat = N::select(inside, zero, coat);
+        let coat_reflects = if parameters.has_coat() { coat * coat_albedo(wo.z, coat_roughness) } else { zero };
+        let split = lookup(wo.z, rough);
+        let specular = parameters.specular_albedo(wo.z);
+        let colour = FieldVec3::new(r, g, b);
+        let (brightest, dielectric) = (colour.largest(), one - metallic);
+        let interface = metallic * brightest.max(split[1]) + dielectric * (specular + transmission * (one - specular));
+        let scatters = N::select(inside, zero, dielectric * (one - transmission) * (one - specular));
+        let scattered = scatters * brightest;
+        let below_coat = one - coat_reflects;
+        let coat_chance = coat_reflects / (coat_reflects + below_coat * (interface + scattered)).max(tiny);
+        let interface_chance = (one - coat_chance) * interface / (interface + scattered).max(tiny);
+        let below = below_coat / ((one - specular_mean).max(N::constant(1e-3)) * (one - coat * coat_mean));
+        Self {
+            colour,
+            metallic,
+            transmission,
+            eta: N::select(inside, one / ior, ior),
+            alpha: rough * rough,
+            coat_alpha: coat_roughness * coat_roughness,
+            coat_roughness,
+            coat,
+            below_coat,
+            compensation: compensation(f0, split),
+            metal_compensation: compensation(one, split) - one,
+            base: scatters * below,
+            coat_chance,
+            interface_chance,
+        }
+    }
+
+    /// Chance that a facet of this Fresnel factor reflects rather than refracts.
+    #[inline(always)]
+    fn reflect_chance(&self, facet: N) -> N {
+        let dielectric = N::one() - self.metallic;
+        let reflected = self.metallic + dielectric * facet;
+        let refracted = dielectric * self.transmission * (N::one() - facet);
+        reflected / (reflected + refracted).max(N::constant(1e-6))
+    }
+
+    /// Light of directions above the surface.
+    #[inline(always)]
+    fn reflected(&self, parameters: &impl Parameters<N>, wo: FieldVec3<N>, wi: FieldVec3<N>) -> Layers<N> {
+        let one = N::one();
+        let h = (wo + wi).normalized();
+        let cosine = wo.dot(h);
+        let facet = fresnel(cosine, self.eta);
+        let metal = schlick(self.colour, FieldVec3::splat(one), cosine)
+            .times(FieldVec3::splat(one) + self.colour * self.metal_compensation);
+        let interface = metal * self.metallic + FieldVec3::splat((one - self.metallic) * facet * self.compensation);
+        let (value, density) = reflection(wo, wi, h, self.alpha);
+        let mut through_coat = one;
+        let mut coat = N::zero();
+        let mut pdf = self.interface_chance * self.reflect_chance(facet) * density;
+        if parameters.has_coat() {
+            through_coat = one - self.coat * coat_albedo(wi.z, self.coat_roughness);
+            let (value, density) = reflection(wo, wi, h, self.coat_alpha);
+            let f0 = N::constant(COAT_F0);
+            coat = self.coat * (f0 + (one - f0) * fifth_power(one - cosine)) * value;
+            pdf = pdf + self.coat_chance * density;
+        }
+        let facets = interface * (value * self.below_coat * through_coat) + FieldVec3::splat(coat);
+        let lambertian = wi.z * N::constant(FRAC_1_PI);
+        let base = self.base * through_coat * (one - parameters.specular_albedo(wi.z)) * lambertian;
+        let base_chance = N::select(N::zero().lt(self.base), one - self.coat_chance - self.interface_chance, N::zero());
+        Layers { facets, base: self.colour * base, pdf: pdf + base_chance * lambertian }
+    }
+}
+
+impl Principled<f32> {
+    /// Light of directions below the surface.
+    fn refracted(&self, wo: Vec3, wi: Vec3) -> Layers<f32> {
+        let Some(h) = refracting_normal(wo, wi, self.eta) else { return Layers::NONE };
+        let facet = fresnel(wo.dot(h), self.eta);
+        let density = refraction_pdf(wo, wi, h, self.alpha, self.eta);
+        let share = (1.0 - self.metallic) * self.transmission * (1.0 - facet) * self.below_coat;
+        Layers {
+            facets: self.colour * (share * density * unhidden(wi, self.alpha) / (self.eta * self.eta)),
+            pdf: self.interface_chance * (1.0 - self.reflect_chance(facet)) * density,
+            ..Layers::NONE
+        }
+    }
+
+    fn layers(&self, parameters: &BsdfParameters, wo: Vec3, wi: Vec3) -> Layers<f32> {
+        match wi.z {
+            ..0.0 => self.refracted(wo, wi),
+            0.0 => Layers::NONE,
+            _ => self.reflected(parameters, wo.into(), wi.into()),
+        }
+    }
+}
+
+impl Layers<f32> {
+    const NONE: Self =
+        Self { facets: FieldVec3 { x: 0.0, y: 0.0, z: 0.0 }, base: FieldVec3 { x: 0.0, y: 0.0, z: 0.0 }, pdf: 0.0 };
+
+    fn eval(self) -> Eval {
+        Eval { value: (self.facets + self.base).into(), pdf: self.pdf }
+    }
 }
 
 fn eval(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Eval {
-    let Layers { facets, base, pdf } = layers(parameters, wo, wi, inside);
-    Eval { value: facets + base, pdf }
+    Principled::<f32>::new(parameters, wo.into(), inside).layers(parameters, wo, wi).eval()
 }
 
 fn share(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Vec3 {
-    let Layers { facets, base, .. } = layers(parameters, wo, wi, inside);
-    facets / (facets + base).max(Vec3::splat(f32::MIN_POSITIVE))
-}
-
-fn layers(parameters: &BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Layers {
-    const NONE: Layers = Layers { facets: Vec3::ZERO, base: Vec3::ZERO, pdf: 0.0 };
-    let view = view(parameters, wo, inside);
-    let (colour, metallic, transmission) = (colour_of(parameters), parameters[METALLIC], parameters[TRANSMISSION]);
-    if wi.z < 0.0 {
-        let eta = if inside { 1.0 / parameters[IOR] } else { parameters[IOR] };
-        let Some(h) = refracting_normal(wo, wi, eta) else { return NONE };
-        let facet = dielectric(parameters, wo.dot(h), inside);
-        let density = refraction_pdf(wo, wi, h, view.alpha, eta);
-        let share = (1.0 - metallic) * transmission * (1.0 - facet) * view.below_coat;
-        let facets = colour * (share * density * unhidden(wi, view.alpha) / (eta * eta));
-        return Layers {
-            facets,
-            base: Vec3::ZERO,
-            pdf: view.interface_chance * (1.0 - reflect_chance(parameters, facet)) * density,
-        };
-    }
-    if wi.z == 0.0 {
-        return NONE;
-    }
-    let h = (wo + wi).normalize();
-    let cosine = wo.dot(h);
-    let coat_reflects = view.coat * coat_albedo(wi.z, parameters[COAT_ROUGHNESS]);
-    let through_coat = view.below_coat * (1.0 - coat_reflects);
-
-    let facet = dielectric(parameters, cosine, inside);
-    let [a, b] = view.split;
-    let metal = Vec3::from(schlick(colour, Vec3::ONE, cosine)) * (Vec3::ONE + colour * (1.0 / (a + b) - 1.0));
-    let interface = metal * metallic + Vec3::splat((1.0 - metallic) * facet * compensation(parameters[F0], view.split));
-    let (value, density) = reflection(wo, wi, h, view.alpha);
-    let mut facets = interface * (value * through_coat);
-    let mut pdf = view.interface_chance * reflect_chance(parameters, facet) * density;
-
-    let (coat_value, coat_density) = reflection(wo, wi, h, view.coat_alpha);
-    facets += Vec3::splat(view.coat * (COAT_F0 + (1.0 - COAT_F0) * fifth_power(1.0 - cosine)) * coat_value);
-    pdf += view.coat_chance * coat_density;
-
-    let mut base = Vec3::ZERO;
-    if !inside {
-        let below = (1.0 - view.specular) * (1.0 - specular_albedo(parameters, wi.z))
-            / (1.0 - parameters[SPECULAR_MEAN]).max(1e-3);
-        let below_coat = through_coat / (1.0 - view.coat * parameters[COAT_MEAN]);
-        let share = (1.0 - metallic) * (1.0 - transmission) * below * below_coat;
-        base = colour * (share * wi.z / PI);
-        pdf += (1.0 - view.coat_chance - view.interface_chance) * wi.z / PI;
-    }
-    Layers { facets, base, pdf }
+    let layers = Principled::<f32>::new(parameters, wo.into(), inside).layers(parameters, wo, wi);
+    Vec3::from(layers.facets) / Vec3::from(layers.facets + layers.base).max(Vec3::splat(f32::MIN_POSITIVE))
 }
 
 fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [f32; 3]) -> Option<Scattered> {
-    let view = view(parameters, wo, inside);
+    let surface = Principled::<f32>::new(parameters, wo.into(), inside);
     let mut eta = 1.0;
-    let wi: Vec3 = if choice < view.coat_chance {
-        reflect(wo, visible_normal(wo, view.coat_alpha, [u, v])).into()
-    } else if choice < view.coat_chance + view.interface_chance {
-        let h: Vec3 = visible_normal(wo, view.alpha, [u, v]).into();
-        let facet_choice = (choice - view.coat_chance) / view.interface_chance;
-        if facet_choice < reflect_chance(parameters, dielectric(parameters, wo.dot(h), inside)) {
+    let wi: Vec3 = if choice < surface.coat_chance {
+        reflect(wo, visible_normal(wo, surface.coat_alpha, [u, v])).into()
+    } else if choice < surface.coat_chance + surface.interface_chance {
+        let h: Vec3 = visible_normal(wo, surface.alpha, [u, v]).into();
+        let facet_choice = (choice - surface.coat_chance) / surface.interface_chance;
+        if facet_choice < surface.reflect_chance(fresnel(wo.dot(h), surface.eta)) {
             reflect(wo, h).into()
         } else {
-            eta = if inside { 1.0 / parameters[IOR] } else { parameters[IOR] };
+            eta = surface.eta;
             refract(wo, h, eta).into()
         }
     } else {
@@ -330,6 +395,49 @@ fn sample(parameters: &BsdfParameters, wo: Vec3, inside: bool, [u, v, choice]: [
     if (wi.z > 0.0) != (eta == 1.0) {
         return None;
     }
-    let Eval { value, pdf } = eval(parameters, wo, wi, inside);
+    let Eval { value, pdf } = surface.layers(parameters, wo, wi).eval();
     (pdf > 0.0).then(|| Scattered { wi, weight: value / pdf, pdf, eta })
+}
+
+/// Principled surfaces of eight paths, none of which transmits.
+pub struct PrincipledInLanes(Principled<f32x8>);
+
+impl BsdfInLanes for PrincipledInLanes {
+    const PARAMETERS: usize = TRANSMISSION + 1;
+
+    #[inline(always)]
+    fn new(parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, inside: Mask8) -> Self {
+        Self(Principled::new(parameters, wo, inside))
+    }
+
+    #[inline(always)]
+    fn eval(&self, parameters: &ParametersInLanes, wo: FieldVec3<f32x8>, wi: FieldVec3<f32x8>) -> EvalInLanes {
+        let Layers { facets, base, pdf } = self.0.reflected(parameters, wo, wi);
+        let (is_above, zero) = (f32x8::ZERO.lt(wi.z), f32x8::ZERO);
+        let value = FieldVec3::select(is_above, facets + base, FieldVec3::splat(zero));
+        EvalInLanes { value, pdf: Real::select(is_above, pdf, zero) }
+    }
+
+    #[inline(always)]
+    fn sample(
+        &self,
+        parameters: &ParametersInLanes,
+        wo: FieldVec3<f32x8>,
+        [u, v, choice]: [f32x8; 3],
+    ) -> ScatteredInLanes {
+        let surface = &self.0;
+        let (zero, one) = (f32x8::ZERO, f32x8::ONE);
+        let is_coat = choice.lt(surface.coat_chance);
+        let is_base = !choice.lt(surface.coat_chance + surface.interface_chance);
+        let h = visible_normal(wo, Real::select(is_coat, surface.coat_alpha, surface.alpha), [u, v]);
+        let facet_choice = (choice - surface.coat_chance) / surface.interface_chance;
+        let is_mirrored = is_coat | facet_choice.lt(surface.reflect_chance(fresnel(wo.dot(h), surface.eta)));
+        let below = FieldVec3::new(zero, zero, -one);
+        let of_facets = FieldVec3::select(is_mirrored, reflect(wo, h), below);
+        let wi = FieldVec3::select(is_base, cosine_direction([u, v]), of_facets);
+        let EvalInLanes { value, pdf } = self.eval(parameters, wo, wi);
+        let exists = zero.lt(pdf);
+        let weight = FieldVec3::select(exists, value / pdf, FieldVec3::splat(zero));
+        ScatteredInLanes { wi: FieldVec3::select(exists, wi, below), weight, pdf }
+    }
 }
