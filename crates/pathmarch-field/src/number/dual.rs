@@ -186,6 +186,10 @@ impl<N: Differentiable> Real for Dual<N> {
         N::vector(table, index.value).map(Self::independent)
     }
     #[inline(always)]
+    fn vectors(table: &[f32], index: Self) -> [[Self; 4]; 2] {
+        N::vectors(table, index.value).map(|vector| vector.map(Self::independent))
+    }
+    #[inline(always)]
     fn iterate<const K: usize>(
         count: Self,
         limit: u32,

@@ -105,6 +105,20 @@ impl Real for f32x8 {
         std::array::from_fn(|k| f32x8::from(vectors.map(|vector| vector[k])))
     }
     #[inline(always)]
+    fn vectors(table: &[f32], index: Self) -> [[Self; 4]; 2] {
+        let last = (table.len() / 4).saturating_sub(2);
+        let indices = index.to_array();
+        let mut rows = [f32x8::ZERO; 8];
+        for (row, index) in rows.iter_mut().zip(indices) {
+            let start = 4 * (index as usize).min(last);
+            if let Some(numbers) = table.get(start..).and_then(<[f32]>::first_chunk::<8>) {
+                *row = f32x8::from(*numbers);
+            }
+        }
+        let [a, b, c, d, e, f, g, h] = f32x8::transpose(rows);
+        [[a, b, c, d], [e, f, g, h]]
+    }
+    #[inline(always)]
     fn iterate<const K: usize>(
         count: Self,
         limit: u32,

@@ -81,6 +81,11 @@ pub trait Real:
     /// the field's parameters instead.
     fn vector(table: &[f32], index: Self) -> [Self; 4];
 
+    /// [`vector`](Self::vector) of this index and of the next one.
+    fn vectors(table: &[f32], index: Self) -> [[Self; 4]; 2] {
+        [Self::vector(table, index), Self::vector(table, index + Self::one())]
+    }
+
     /// Names this value in printed code; no effect elsewhere.
     fn named(self, _name: &'static str) -> Self {
         self

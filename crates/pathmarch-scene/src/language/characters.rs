@@ -17,6 +17,13 @@ pub(crate) const fn is_forbidden(c: char) -> bool {
         | '\u{2066}'..='\u{2069}' | '\u{feff}')
 }
 
+/// Forbidden characters of a text from this byte on, and where they start. Most texts have none, and few are not ASCII.
+pub(crate) fn forbidden_in(text: &str, from: usize) -> impl Iterator<Item = (usize, char)> {
+    let may_be_forbidden = |byte: u8| !byte.is_ascii() || is_forbidden(char::from(byte));
+    let first = text.bytes().skip(from).position(may_be_forbidden).map_or(text.len(), |index| from + index);
+    text[first..].char_indices().filter(|(_, c)| is_forbidden(*c)).map(move |(index, c)| (first + index, c))
+}
+
 /// Characters of bare words.
 #[inline]
 pub(crate) fn is_word(c: char) -> bool {

@@ -98,8 +98,7 @@ fn distance<N: Real>(p: Vec3<N>, table: &[f32], first: N, curved: bool) -> N {
         N::iterate(N::constant(MAX_SEGMENTS as f32), MAX_SEGMENTS as u32, [farthest, farthest, zero], |state| {
             let [least, signed, number] = state;
             let at = (first + start + number * N::constant(PER_SEGMENT as f32)).named("at");
-            let [from_x, from_y, along_x, along_y] = N::vector(table, at);
-            let numbers = N::vector(table, at + one);
+            let [[from_x, from_y, along_x, along_y], numbers] = N::vectors(table, at);
             let (x, y) = ((x - from_x).named("x"), (y - from_y).named("y"));
             let along = (x * along_x + y * along_y).named("along");
             let off = (x * along_y - y * along_x).named("off");

@@ -2,7 +2,7 @@
 
 use super::spelling::nearest;
 use crate::diagnostic::{Mistake, SceneError};
-use crate::language::characters::is_forbidden;
+use crate::language::characters::{forbidden_in, is_forbidden};
 use crate::language::tree::Span;
 use crate::source_text::SourceText;
 use std::sync::Arc;
@@ -45,10 +45,9 @@ impl Source {
             1 => '?',
             _ => char::REPLACEMENT_CHARACTER,
         };
-        let visible = if text.is_ascii() && !text.bytes().any(|byte| is_forbidden(char::from(byte))) {
-            text.to_owned()
-        } else {
-            text.chars().map(visible).collect()
+        let visible = match forbidden_in(text, 0).next() {
+            None => text.to_owned(),
+            Some(_) => text.chars().map(visible).collect(),
         };
         let code = Arc::new(SourceText::new(name, visible));
         Self { base, bytes: text.len() as u32, code }

@@ -11,7 +11,9 @@ pub(crate) mod strings;
 #[cfg(test)]
 mod tests;
 
-use crate::language::characters::{is_forbidden, is_newline, is_space, is_word, looks_like_number, number};
+use crate::language::characters::{
+    forbidden_in, is_forbidden, is_newline, is_space, is_word, looks_like_number, number,
+};
 use crate::language::diagnostics::report::{Draft, Report, draft, shown};
 use crate::language::tree::{Block, Entry, Node, Span, Text, Value};
 use std::borrow::Cow;
@@ -35,11 +37,7 @@ pub(super) struct Reader<'t, 'r> {
 pub(crate) fn read<'t>(text: &'t str, report: &mut Report) -> Option<Block<'t>> {
     let start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
     let mut reader = Reader { text, at: start, items: 0, stopped: false, commented_out: 0, report };
-    // Most texts have none of them.
-    let may_be_forbidden = |byte: u8| !byte.is_ascii() || is_forbidden(char::from(byte));
-    let first = text.bytes().skip(start).position(may_be_forbidden).map_or(text.len(), |index| start + index);
-    for (index, c) in text[first..].char_indices().filter(|(_, c)| is_forbidden(*c)) {
-        let index = first + index;
+    for (index, c) in forbidden_in(text, start) {
         reader.report.add(
             draft("pathmarch::syntax", Span::new(index, index + c.len_utf8()), "This character must not be in a file.")
                 .label(format!("U+{:04X}, which does not show", u32::from(c)))
