@@ -14,7 +14,7 @@ const REFERENCES: [(&str, u32, f32); 24] = [
     ("furnace_050", 256, 0.005),
     ("diffuse_sphere_plane", 256, 0.01),
     ("diffuse_sphere_plane_area", 256, 0.01),
-    ("cornell", 96, 0.03),
+    ("cornell", 192, 0.03),
     // Mitsuba uses a separable Smith term: 2 % less on the roughest ball, more at its edge.
     ("rough_metal", 512, 0.04),
     ("rough_metal_correlated", 512, 0.02),
@@ -29,7 +29,7 @@ const REFERENCES: [(&str, u32, f32); 24] = [
     // Mitsuba does not compensate for single scattering: 0.6 % less on the metal.
     ("principled", 256, 0.03),
     ("lens", 256, 0.02),
-    ("box_light", 256, 0.02),
+    ("box_light", 512, 0.02),
     // Photons blur the edges of caustics by about a pixel.
     ("caustic_point", 512, 0.02),
     // A point light in fog: rare paths that come close to it are bright, in both renderers. One such pixel makes a block of the
