@@ -1,7 +1,8 @@
 //! Opaque surfaces, shaded in SIMD lanes, eight paths at a time.
 //!
 //! They are most surfaces of most scenes. What [`path`](super::path) does for surfaces of any material is done here for
-//! materials whose BSDF has functions [in lanes](pathmarch_scene::materials::Bsdf::in_lanes): Lambertian surfaces and metal.
+//! materials whose BSDF has functions [in lanes](pathmarch_scene::materials::Bsdf::in_lanes): Lambertian surfaces, metal and
+//! `principled` surfaces that do not transmit.
 
 use super::light_sampling::nth_light_sample;
 use super::light_sampling_lanes::{choose_lights, sample_directions, sample_weights};

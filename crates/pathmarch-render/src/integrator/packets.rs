@@ -396,13 +396,7 @@ impl Packet {
     }
 
     /// Records surfaces for the guides of paths.
-    fn record_guides(
-        &mut self,
-        ctx: &TraceContext,
-        surfaces: &Surfaces8,
-        surface_index: u32,
-        guides: &mut GuideRecorder,
-    ) {
+    fn record_guides(&self, ctx: &TraceContext, surfaces: &Surfaces8, surface_index: u32, guides: &mut GuideRecorder) {
         for lane in set_bits(self.alive) {
             let slot = self.slots[lane] as usize;
             guides.reflections.arrive(slot, self.length.as_array()[lane]);

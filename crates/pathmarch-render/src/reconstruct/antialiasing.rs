@@ -59,7 +59,7 @@ pub(super) struct Last<'a> {
     pub(super) new_weight: f32,
 }
 
-/// Power of two below which a weight does not fall.
+/// Power of two below which a weight is 0.
 const LEAST_EXPONENT: f32 = -64.0;
 
 /// Number of rows of the picture that are made one after the other, so that they share the neighbourhoods of their samples.
@@ -229,13 +229,15 @@ impl Upscaling<'_> {
 /// [`f32x8::exp`], which also serves large, infinite and missing numbers.
 fn gaussian(dx: f32x8, dy: f32x8) -> f32x8 {
     const SCALE: f32 = -0.5 * LOG2_E / (KERNEL_DEVIATION * KERNEL_DEVIATION);
-    let exponent = ((dx * dx + dy * dy) * SCALE).fast_max(f32x8::splat(LEAST_EXPONENT));
+    let least = f32x8::splat(LEAST_EXPONENT);
+    let exponent = ((dx * dx + dy * dy) * SCALE).fast_max(least);
     let whole = exponent.round();
     let power_of_two: f32x8 = bytemuck::cast((whole.fast_round_int() + i32x8::splat(127)) << 23);
     // Taylor series of two to the power of the rest, which is at most a half.
     let rest = (exponent - whole) * LN_2;
     let series = [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0];
-    power_of_two * series.into_iter().fold(f32x8::splat(1.0 / 720.0), |sum, term| sum * rest + f32x8::splat(term))
+    let power = series.into_iter().fold(f32x8::splat(1.0 / 720.0), |sum, term| sum * rest + f32x8::splat(term));
+    exponent.simd_gt(least) & (power_of_two * power)
 }
 
 /// Lightness, orange against blue, green against magenta (YCoCg; Malvar and Sullivan 2003). Clamped there, a grey
@@ -303,6 +305,9 @@ mod tests {
                 let weight = gaussian(f32x8::splat(dx), f32x8::splat(dy)).to_array()[3];
                 assert!((weight - expected).abs() < 3e-6 * expected + 1e-19, "{x}: {weight} for {expected}");
             }
+        }
+        for far in [6.0, 1e6, f32::INFINITY] {
+            assert_eq!(gaussian(f32x8::splat(far), f32x8::ZERO).to_array(), [0.0; 8], "{far}");
         }
     }
 
