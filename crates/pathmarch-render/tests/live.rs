@@ -1,6 +1,6 @@
 //! Live pictures: first picture, refinement, rest, changes of the scene, and loss of the device.
 
-use crate::common::{for_each_backend, parse, with_gpu};
+use crate::common::{cpu, for_each_backend, parse, scenes, with_gpu};
 use pathmarch_render::exposure::suitable_stops;
 use pathmarch_render::live::{Live, LiveImage, RenderRequest, Status};
 use pathmarch_render::pathmarch_scene::Scene;
@@ -90,6 +90,32 @@ fn the_picture_equals_that_of_render_and_then_rests(backend: Backend) {
     let bright = until(&live, "another exposure", |shown, _| shown.request == number);
     let sum = |shown: &LiveImage| shown.codes.iter().map(|&code| u64::from(code)).sum::<u64>();
     assert!(bright.samples == 16.0 && sum(&bright) > sum(&shown));
+}
+
+/// Pixels of a closed room share light at rest, but not those of an open one.
+fn pixels_at_rest_share_light_where_that_pays() {
+    let path = scenes().into_iter().find(|path| path.ends_with("cornell-box.kdl")).expect("there");
+    let closed = Scene::load(&path).expect("a valid scene");
+    for (scene, pays) in [(Arc::new(closed), true), (scene(), false)] {
+        let request = request(&scene, [192, 108], 128);
+        let mut live = Live::new(Backend::Cpu, None, || {});
+        live.show(RenderRequest { moving: true, ..request.clone() });
+        until(&live, "a picture in motion", |shown, _| shown.samples >= 1.0);
+        let moving = live.film().recv().expect("an answer");
+        assert!(moving.is_err() || moving.is_ok_and(|(_, settings)| settings.path_reuse.is_none()));
+        let number = live.show(request.clone());
+        until(&live, "the whole picture", |shown, status| shown.request == number && status.resting);
+        let (film, settings) = live.film().recv().expect("an answer").expect("a film");
+        assert_eq!(settings.path_reuse, pays.then_some(true));
+        let same = Settings {
+            splitting: Some(1),
+            light_samples: Some(1),
+            emitter_edges: Some(false),
+            path_reuse: Some(pays),
+            ..settings
+        };
+        assert!(film == cpu().render(&scene, &same).expect("a film"), "another picture than that of render");
+    }
 }
 
 /// A picture in motion has coarse shape grids, one at rest those of `render`.
@@ -293,7 +319,7 @@ fn an_invalid_request_is_reported_and_the_next_one_renders() {
 }
 
 tests! {
-    plain: [an_invalid_request_is_reported_and_the_next_one_renders],
+    plain: [an_invalid_request_is_reported_and_the_next_one_renders, pixels_at_rest_share_light_where_that_pays],
     for_each_backend: [
         the_picture_equals_that_of_render_and_then_rests,
         a_picture_of_many_shapes_at_rest_equals_that_of_render,

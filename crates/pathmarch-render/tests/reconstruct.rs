@@ -257,12 +257,15 @@ fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
         println!("lens, frame {frame}: relMSE {error:.2e}");
         assert!(error < 1e-5, "{frame}: {error}");
     }
-    // At rest, a film of several samples.
-    let settings = settings(scene, moved(scene, 0.14), 9, 8);
-    let [a, b] = sequences.each_mut().map(|sequence| sequence.render(scene, &settings).expect("a picture"));
-    let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
-    println!("at rest: relMSE {error:.2e}");
-    assert!(error < 1e-5, "{error}");
+    // At rest, films of several samples, of which the pixels of the second share light.
+    for path_reuse in [None, Some(true)] {
+        let settings = Settings { path_reuse, ..settings(scene, moved(scene, 0.14), 9, 8) };
+        let [a, b] = sequences.each_mut().map(|sequence| sequence.render(scene, &settings).expect("a picture"));
+        let [error, noisy] = [relmse(&a.reconstructed, &b.reconstructed), relmse(&a.noisy, &b.noisy)]
+            .map(|error| error.expect("finite"));
+        println!("at rest, path reuse {path_reuse:?}: relMSE {error:.2e}, of the samples {noisy:.2e}");
+        assert!(error < 1e-5 && noisy < 1e-5, "{path_reuse:?}: {error}, of the samples {noisy}");
+    }
 }
 
 /// Glossy floor and a ball of rough metal under a lamp.

@@ -11,24 +11,24 @@ use pathmarch_testing::{plain, tests};
 /// References: name, number of samples at which our noise is well below the limits, and limit of the relative difference of a
 /// block of 16 by 16 pixels.
 const REFERENCES: [(&str, u32, f32); 24] = [
-    ("furnace_050", 256, 0.005),
-    ("diffuse_sphere_plane", 256, 0.01),
-    ("diffuse_sphere_plane_area", 256, 0.01),
+    ("furnace_050", 64, 0.005),
+    ("diffuse_sphere_plane", 128, 0.01),
+    ("diffuse_sphere_plane_area", 128, 0.01),
     ("cornell", 192, 0.03),
     // Mitsuba uses a separable Smith term: 2 % less on the roughest ball, more at its edge.
     ("rough_metal", 512, 0.04),
-    ("rough_metal_correlated", 512, 0.02),
-    ("mirror", 512, 0.02),
-    ("glass", 512, 0.02),
-    ("glass_absorb", 512, 0.02),
-    ("rough_glass", 256, 0.02),
+    ("rough_metal_correlated", 256, 0.02),
+    ("mirror", 256, 0.02),
+    ("glass", 128, 0.02),
+    ("glass_absorb", 128, 0.02),
+    ("rough_glass", 128, 0.02),
     ("environment", 256, 0.02),
-    ("environment_rotated", 256, 0.02),
-    ("sun", 512, 0.02),
-    ("many_lights", 256, 0.02),
+    ("environment_rotated", 128, 0.02),
+    ("sun", 256, 0.02),
+    ("many_lights", 128, 0.02),
     // Mitsuba does not compensate for single scattering: 0.6 % less on the metal.
     ("principled", 256, 0.03),
-    ("lens", 256, 0.02),
+    ("lens", 128, 0.02),
     ("box_light", 512, 0.02),
     // Photons blur the edges of caustics by about a pixel.
     ("caustic_point", 512, 0.02),
@@ -38,8 +38,8 @@ const REFERENCES: [(&str, u32, f32); 24] = [
     ("fog_area", 1536, 0.03),
     ("subsurface", 256, 0.02),
     ("smoke", 256, 0.03),
-    ("nested_glass", 256, 0.02),
-    ("thin_glass", 512, 0.02),
+    ("nested_glass", 128, 0.02),
+    ("thin_glass", 128, 0.02),
 ];
 
 fn pictures_agree_with_mitsuba() {

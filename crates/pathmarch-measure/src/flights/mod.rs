@@ -49,6 +49,9 @@ pub struct Arguments {
     /// Compare every so many frames, and the last one
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = value_parsers::whole((1, FRAMES)), allow_hyphen_values = true)]
     every: u32,
+    /// Let pixels share light at rest, as live pictures on the CPU do where that pays
+    #[arg(long)]
+    path_reuse: bool,
     /// Measure final frames of this many samples instead, denoised one by one and joined
     #[arg(long, value_name = "SAMPLES", value_parser = value_parsers::whole((2, 65_536)), allow_hyphen_values = true)]
     denoise: Option<u32>,
@@ -100,7 +103,16 @@ impl<'a> Course<'a> {
             None => (MOVING_SEED, frame, 1),
             Some(resting) => (MOVING_FRAMES, 0, 1 + resting),
         };
-        Settings { size: self.arguments.size, samples, seed, first_sample, viewpoint, ..Settings::of(scene) }
+        let path_reuse = (self.arguments.path_reuse && frame >= MOVING_FRAMES).then_some(true);
+        Settings {
+            size: self.arguments.size,
+            samples,
+            seed,
+            first_sample,
+            viewpoint,
+            path_reuse,
+            ..Settings::of(scene)
+        }
     }
 
     /// Size of the pictures.
@@ -118,8 +130,14 @@ impl<'a> Course<'a> {
         if let Some(path) = path.as_ref().filter(|path| path.exists()) {
             return image::load(path).map(|loaded| loaded.picture).map_err(Failure::other);
         }
-        let many =
-            Settings { samples: *samples, first_sample: 0, seed: 1000 + frame, size, ..self.settings(scene, frame) };
+        let many = Settings {
+            samples: *samples,
+            first_sample: 0,
+            seed: 1000 + frame,
+            size,
+            path_reuse: None,
+            ..self.settings(scene, frame)
+        };
         let picture = self.cpu.render(scene, &many).map_err(Failure::other)?.mean();
         if let Some(path) = &path {
             image::save(path, &picture, &Display::default(), &Provenance::default()).map_err(Failure::other)?;

@@ -154,6 +154,23 @@ impl RenderInput {
         }
     }
 
+    /// True if pixels can share light.
+    pub(crate) fn can_reuse_paths(&self, settings: &Settings) -> bool {
+        self.mode == Mode::Path
+            && settings.crop.is_none()
+            && settings.clamp.is_none()
+            && path_reuse_choice::is_possible(&self.scene, &self.config)
+    }
+
+    /// True if a picture of these settings converges sooner on the CPU where pixels share light, with one sample of a light and of
+    /// indirect light at each surface.
+    pub(crate) fn path_reuse_pays_on_cpu(&self, scene: &Scene, settings: &Settings) -> bool {
+        let frame = FrameUniforms::new(scene, settings, &self.scene);
+        let cost = path_reuse_choice::cpu_connection_cost(&self.config);
+        self.can_reuse_paths(settings)
+            && path_reuse_choice::pays(&self.scene, &frame, &self.config, settings.samples, 1.0, cost)
+    }
+
     /// Lets pixels share light if the settings ask for it, or if the picture then converges sooner than with several indirect
     /// samples; a connection costs as much as this number of rays.
     pub(crate) fn choose_path_reuse(
@@ -163,11 +180,7 @@ impl RenderInput {
         best: &BestCounts,
         connection_cost: f64,
     ) {
-        let is_possible = self.mode == Mode::Path
-            && settings.crop.is_none()
-            && settings.clamp.is_none()
-            && path_reuse_choice::is_possible(&self.scene, &self.config);
-        self.config.path_reuse = is_possible
+        self.config.path_reuse = self.can_reuse_paths(settings)
             && settings.path_reuse.unwrap_or_else(|| {
                 let config = KernelConfig { light_samples: best.light_alone, ..self.config };
                 path_reuse_choice::pays(&self.scene, &self.frame, &config, samples, best.error, connection_cost)

@@ -150,6 +150,11 @@ impl Guide {
         }
     }
 
+    /// True if light that other surfaces scatter to one that the camera sees is recorded apart.
+    fn has_indirect(&self, ctx: &TraceContext) -> bool {
+        self.class == GuideClass::Surface && self.leaf != NO_LEAF && !ctx.scene.leaves[self.leaf as usize].has(FRACTAL)
+    }
+
     /// True if the camera sees an emitter itself, not its mirror image.
     pub(crate) fn is_seen_emitter(&self) -> bool {
         self.class == GuideClass::Emitter && self.leaf != NO_LEAF
@@ -356,11 +361,13 @@ impl GuideRecorder {
         }
     }
 
-    /// Guides of all paths, which have these radiances.
-    pub(super) fn into_guides(self, ctx: &TraceContext, radiance: &[Vec3]) -> Vec<Guide> {
+    /// Guides of all paths, which have these radiances, and of which each has this light of the second surfaces of a group.
+    pub(super) fn into_guides(self, ctx: &TraceContext, radiance: &[Vec3], shared: Option<&[Vec3]>) -> Vec<Guide> {
         let Self { mut guides, reflections, media, direct, .. } = self;
         for (slot, direct) in direct.into_iter().enumerate() {
-            let indirect = direct.map_or(Vec3::ZERO, |direct| radiance[slot] - direct);
+            // Other paths of the group bring light to one without a second surface.
+            let shared = || shared.filter(|_| guides[slot].has_indirect(ctx)).map_or(Vec3::ZERO, |shared| shared[slot]);
+            let indirect = direct.map_or_else(shared, |direct| radiance[slot] - direct);
             guides[slot].indirect = indirect * (1.0 - reflections.share_of_rest(slot));
         }
         for (slot, reflected) in reflections.into_lights(radiance).chain(media.into_lights(radiance, ctx.frame.far)) {

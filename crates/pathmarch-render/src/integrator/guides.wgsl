@@ -20,6 +20,9 @@ var<private> guide_state: u32;
 var<private> waits_for_indirect: bool;
 var<private> has_indirect: bool;
 var<private> direct_radiance: vec3f;
+/// Whether indirect light of the surface is recorded apart, and the light of the second surfaces of other pixels' paths.
+var<private> separates_indirect: bool;
+var<private> shared_light: vec3f;
 /// Product of the mirror reflections so far.
 var<private> guide_mirrors: mat3x3f;
 /// Light of the media on the first segments, its luminance, and the sum of that times the distance from the camera.
@@ -54,6 +57,8 @@ fn begin_guide(camera: Ray) {
     facets_state = FACETS_DONE;
     waits_for_indirect = false;
     has_indirect = false;
+    separates_indirect = false;
+    shared_light = vec3f(0.0);
 }
 
 /// Reports whether the recorder waits for a surface.
@@ -107,6 +112,11 @@ fn record_scattering(m: u32, surface_index: u32, radiance: vec3f) {
     }
 }
 
+/// Records light of second surfaces that a group of pixels shares.
+fn record_shared(light: vec3f) {
+    shared_light = light;
+}
+
 /// Records the surface that a path has reached with this throughput and length; `colour` is its base colour.
 fn record_guide(
     interaction: SurfaceInteraction,
@@ -150,6 +160,7 @@ fn record_guide(
     // Nothing is smooth on a fractal at half the resolution.
     let is_fractal = (leaf_at(interaction.leaf).flags & FRACTAL) != 0u;
     waits_for_indirect = guide.guide_class == GUIDE_SURFACE && !is_fractal;
+    separates_indirect = waits_for_indirect && surface_index == 0u;
     guide.albedo = select(throughput * colour, vec3f(1.0), is_glass);
     guide.object = interaction.leaf;
     guide.seen_object = interaction.leaf;
@@ -178,7 +189,10 @@ fn store_guide(pixel: u32, radiance: vec3f) {
     stored.depth = 0.0;
     // Rejected samples have no light at all.
     let has_light = any(radiance != vec3f(0.0));
-    stored.indirect = select(vec3f(0.0), radiance - direct_radiance, has_indirect && has_light);
+    // Other paths of the group bring light to one without a second surface.
+    let shared_indirect = select(vec3f(0.0), shared_light, separates_indirect);
+    stored.indirect = select(shared_indirect, radiance - direct_radiance, has_indirect);
+    stored.indirect = select(vec3f(0.0), stored.indirect, has_light);
     if guide.alpha > 0.0 {
         var reflected: vec4f;
         if guide.alpha == MEDIUM_ALPHA {

@@ -16,6 +16,9 @@ fn end_guide() {}
 fn record_scattering(m: u32, surface_index: u32, radiance: vec3f) {}
 
 /// Does nothing.
+fn record_shared(light: vec3f) {}
+
+/// Does nothing.
 fn record_medium(p: vec3f, light: vec3f) {}
 
 /// Does nothing.

@@ -15,7 +15,7 @@ use super::guides::{Guide, GuideRecorder};
 use super::medium::transmittance;
 use super::opaque_surfaces::{LightOfPaths, ScatteredPaths, ShadingInputs, kind_in_lanes, roulette, shade_lanes};
 use super::participating_media::medium_after;
-use super::path::{self, emission_towards, shade};
+use super::path::{self, emission_towards, shade, shared};
 use super::path_reuse::PathReuse;
 use super::path_state::{Path, ROULETTE_DEPTH, clamped, clamped_lanes, escaped_radiance};
 use super::shadow::{ShadowTest, direct_light};
@@ -47,10 +47,7 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
     let mut records = Records { reuse: ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples)), guides: None };
     let mut radiance = vec![Vec3::ZERO; pixels.len() * samples as usize];
     follow(ctx, packets, (first, samples), &mut radiance, &mut records);
-    if let Some(reuse) = records.reuse {
-        reuse.share(ctx, &mut radiance);
-    }
-    radiance
+    shared(ctx, records.reuse, radiance).0
 }
 
 /// Radiance of one sample of each of these pixels and their guides, as [`path::trace_with_guides`], which traces them where
@@ -61,10 +58,14 @@ pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sampl
     }
     let packets = packets_at_camera(ctx, pixels, sample);
     let rays = packets.iter().flat_map(|packet| set_bits(packet.alive).map(|lane| packet.ray(lane))).collect();
-    let mut records = Records { reuse: None, guides: Some(GuideRecorder::new(ctx, rays)) };
+    let mut records = Records {
+        reuse: ctx.config.path_reuse.then(|| PathReuse::new(pixels, 1)),
+        guides: Some(GuideRecorder::new(ctx, rays)),
+    };
     let mut radiance = vec![Vec3::ZERO; pixels.len()];
     follow(ctx, packets, (sample, 1), &mut radiance, &mut records);
-    let guides = records.guides.map_or(Vec::new(), |guides| guides.into_guides(ctx, &radiance));
+    let (radiance, shared) = shared(ctx, records.reuse, radiance);
+    let guides = records.guides.map_or(Vec::new(), |guides| guides.into_guides(ctx, &radiance, shared.as_deref()));
     (radiance, guides)
 }
 
@@ -821,16 +822,34 @@ mod tests {
     }
 
     #[test]
+    fn shared_light_is_indirect_light_of_the_guides() {
+        let mut input = input_of(&format!("{LIGHT}\n{SURFACES}"));
+        let [apart, shared] = [false, true].map(|path_reuse| {
+            input.config.path_reuse = path_reuse;
+            let guides = |sample| trace_with_guides(&input.context(None), &pixels(), sample).1;
+            // Where facets reflect, they have a share of it.
+            let diffuse = (0..256).flat_map(guides).filter(|guide| !guide.is_glossy);
+            diffuse.map(|guide| guide.indirect).sum::<Vec3>()
+        });
+        let ratio = shared / apart;
+        assert!((ratio - 1.0).abs().max_element() < 0.02, "{ratio}");
+    }
+
+    #[test]
     fn packets_have_the_guides_of_paths_one_by_one() {
-        for head in ["", "render { caustics \"fast\"; clamp 0.5 }"] {
+        for (head, path_reuse) in [("", false), ("", true), ("render { caustics \"fast\"; clamp 0.5 }", false)] {
             let mut input = input_of(&format!("{head}\n{LIGHT}\n{SURFACES}"));
+            input.config.path_reuse = path_reuse;
             let [packets, one_by_one] = [true, false].map(|packets| {
                 input.config.packets = packets;
                 trace_with_guides(&input.context(None), &pixels(), 3)
             });
-            let largest =
-                packets.0.iter().zip(&one_by_one.0).map(|(a, b)| (a - b).abs().max_element()).fold(0.0, f32::max);
-            assert!(largest < 1e-5, "{largest}");
+            let differs = |a: &[Vec3], b: &[Vec3]| {
+                a.iter().zip(b).map(|(a, b)| (a - b).abs().max_element()).fold(0.0, f32::max) >= 1e-5
+            };
+            assert!(!differs(&packets.0, &one_by_one.0), "{head}, {path_reuse}");
+            let without_guides = trace(&input.context(None), &pixels(), 3, 1);
+            assert!(!differs(&packets.0, &without_guides), "{head}, {path_reuse}: other light without guides");
             let mut facets = 0;
             for (a, b) in packets.1.iter().zip(&one_by_one.1) {
                 let kind = |guide: &Guide| (guide.class, guide.is_glossy, guide.object, guide.seen_object, guide.leaf);

@@ -58,7 +58,8 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
     let (mut paths, mut radiance) = start_paths(ctx, rays);
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, None);
     if ctx.config.splitting == 1 {
-        return continue_paths(ctx, paths, vertices, radiance, None, reuse.as_mut());
+        let radiance = continue_paths(ctx, paths, vertices, radiance, None, reuse.as_mut());
+        return shared(ctx, reuse, radiance).0;
     }
     let radiance = radiance.iter().flat_map(|&value| repeat_n(value, samples as usize)).collect();
     let split_paths = paths.iter().flat_map(|path| {
@@ -68,7 +69,18 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
         })
     });
     let vertices = vertices.into_iter().flat_map(|vertex| repeat_n(vertex, samples as usize)).collect();
-    continue_paths(ctx, split_paths.collect(), vertices, radiance, None, reuse.as_mut())
+    let radiance = continue_paths(ctx, split_paths.collect(), vertices, radiance, None, reuse.as_mut());
+    shared(ctx, reuse, radiance).0
+}
+
+/// Radiance of paths that share the light of their second surfaces, and what each has of it; these radiances without `reuse`.
+pub(super) fn shared(
+    ctx: &TraceContext,
+    reuse: Option<PathReuse>,
+    mut radiance: Vec<Vec3>,
+) -> (Vec<Vec3>, Option<Vec<Vec3>>) {
+    let shared = reuse.map(|reuse| reuse.share(ctx, &mut radiance));
+    (radiance, shared)
 }
 
 /// Radiance of one sample of each of these pixels, which do not share camera rays, and their guides.
@@ -78,8 +90,10 @@ pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sampl
     let mut recorder = GuideRecorder::new(ctx, rays.clone());
     let (mut paths, mut radiance) = start_paths(ctx, rays.into_iter().zip(samplers));
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, Some(&mut recorder));
-    let radiance = continue_paths(ctx, paths, vertices, radiance, Some(&mut recorder), None);
-    let guides = recorder.into_guides(ctx, &radiance);
+    let mut reuse = ctx.config.path_reuse.then(|| PathReuse::new(pixels, 1));
+    let radiance = continue_paths(ctx, paths, vertices, radiance, Some(&mut recorder), reuse.as_mut());
+    let (radiance, shared) = shared(ctx, reuse, radiance);
+    let guides = recorder.into_guides(ctx, &radiance, shared.as_deref());
     (radiance, guides)
 }
 
@@ -205,9 +219,6 @@ fn continue_paths(
                 recorder.reflections.arrive(path.slot, path.length);
             }
         }
-    }
-    if let Some(reuse) = reuse {
-        reuse.share(ctx, &mut radiance);
     }
     radiance
 }

@@ -162,8 +162,8 @@ impl<'a> PathReuse<'a> {
         groups.into_values().collect()
     }
 
-    /// Shares the radiance that leaves the second surfaces among the paths of each group.
-    pub(super) fn share(&self, ctx: &TraceContext, radiance: &mut [Vec3]) {
+    /// Shares the radiance that leaves the second surfaces among the paths of each group. Returns what each path has of it.
+    pub(super) fn share(&self, ctx: &TraceContext, radiance: &mut [Vec3]) -> Vec<Vec3> {
         let groups = self.groups();
         // Of each pixel with the paths of its group, without visibility.
         let mut connections = Vec::new();
@@ -186,6 +186,7 @@ impl<'a> PathReuse<'a> {
         }
         let mut hits = march(ctx, &segments).into_iter();
         let mut connections = connections.into_iter();
+        let mut shared_radiance = vec![Vec3::ZERO; radiance.len()];
         for Group { pixels, paths } in &groups {
             let mut seen = Vec::with_capacity(pixels.len() * paths.len());
             for &pixel in pixels {
@@ -209,11 +210,13 @@ impl<'a> PathReuse<'a> {
             }
             for (&pixel, shared) in pixels.iter().zip(shared) {
                 let (shared, paths) = (shared / self.samples as f32, self.paths_of(pixel));
+                shared_radiance[paths.clone()].fill(shared);
                 for (radiance, second) in radiance[paths.clone()].iter_mut().zip(&self.second[paths]) {
                     *radiance = second.map_or(*radiance, |second| second.radiance) + shared;
                 }
             }
         }
+        shared_radiance
     }
 
     /// Paths of a pixel.

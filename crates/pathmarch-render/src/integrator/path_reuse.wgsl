@@ -1,4 +1,4 @@
-// import: backend/gpu/film, integrator/camera_ray_index, integrator/path
+// import: backend/gpu/film, guides, integrator/camera_ray_index, integrator/path
 // Samples of the pixels of a tile, which share the light at second surfaces. Twin of path_reuse.rs, which explains it.
 
 /// Second surface of a path; a path without one has no normal.
@@ -40,12 +40,14 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
     for (var k = 0u; k < SPLITTING; k++) {
         second_surfaces[first_second_surface + k].normal = vec3f(0.0);
     }
-    var sum = before;
+    var sum = vec4f(0.0);
     var first_path: Path;
     var is_shared = false;
     if is_inside {
         let sampler = pixel_sampler(x, y, camera_ray_index(slice.sample), frame.seed);
-        first_path = path_from(camera_ray(x, y, sampler), sampler);
+        let camera = camera_ray(x, y, sampler);
+        begin_guide(camera);
+        first_path = path_from(camera, sampler);
         if path_intersect(&first_path) {
             is_shared = shares(first_path);
             sum += trace_paths(first_path, is_shared, first_second_surface);
@@ -107,7 +109,12 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
             }
         }
     }
-    return sum + kept(shared_radiance);
+    sum += kept(shared_radiance);
+    if is_inside {
+        record_shared(shared_radiance);
+        store_guide(y * frame.width + x, sum.xyz);
+    }
+    return before + sum;
 }
 
 /// Traces the slice's samples of a pixel from its camera hit on. Returns the sum of their film values, but for the light that
@@ -121,12 +128,18 @@ fn trace_paths(first_path: Path, is_shared: bool, first_second_surface: u32) -> 
     var radiance_before = vec3f(0.0);
     // A lane whose path has ended takes the next path of its pixel, so that lanes do not wait for each other.
     loop {
-        let goes_on = path_scatter(&path) && path_intersect(&path);
+        var goes_on = path_scatter(&path);
         if goes_on {
-            let flags = material_at(leaf_at(path.surface_at_hit.leaf).material).flags;
+            goes_on = path_intersect(&path);
+            record_arrival(path.length);
+        }
+        if goes_on {
+            let material = leaf_at(path.surface_at_hit.leaf).material;
+            let flags = material_at(material).flags;
             if is_shared && path.surfaces == 1u && (flags & (LAMBERTIAN | GLOWS)) == LAMBERTIAN {
                 let interaction = resolve_surface(path.ray.origin, path.ray.direction, path.hit, path.surface_at_hit);
                 second = SecondSurface(interaction.p, interaction.offset, interaction.normal, vec3f(0.0));
+                record_scattering(material, 1u, path.radiance);
                 radiance_before = path.radiance;
                 path.radiance = vec3f(0.0);
                 path.throughput = vec3f(1.0);

@@ -63,7 +63,8 @@ impl Sequence {
     ///
     /// Give every picture of a moving scene another [`first_sample`](Settings::first_sample) in order, and all of them one
     /// seed: then their samples complement each other. The same [`Arc`] as before counts as an unchanged scene. With more
-    /// samples and otherwise unchanged settings, the samples that are there already are kept.
+    /// samples and otherwise unchanged settings, the samples that are there already are kept. Pixels share light if
+    /// [`path_reuse`](Settings::path_reuse) says so, and do not if it leaves the choice.
     ///
     /// # Errors
     /// [`RenderError`] if settings are out of range, or the GPU refuses.
@@ -127,7 +128,8 @@ impl Sequence {
             return Ok(film);
         }
         self.reconstruction.start_film(changed);
-        let input = RenderInput::new(scene, settings).with_guides();
+        let mut input = RenderInput::new(scene, settings).with_guides();
+        input.config.path_reuse = settings.path_reuse == Some(true) && input.can_reuse_paths(settings);
         let tracer = self.renderer.trace_with_guides(&input, settings.first_sample)?;
         Ok(Film { scene: scene.clone(), settings: one_sample, input, tracer })
     }

@@ -2,8 +2,9 @@
 //!
 //! There are two groups of scenes: every scene of the gallery, and sets of the features below. Every two features occur
 //! together and apart in these sets, because their declarations may collide although each is valid alone. All modes are
-//! tested. naga parses and validates each kernel and translates it to MSL, HLSL, GLSL ES and SPIR-V. If `spirv-val`
-//! (SPIRV-Tools) is installed, it checks the SPIR-V.
+//! tested. naga parses and validates each kernel and translates it to MSL, HLSL, GLSL ES and SPIR-V; views of the gallery
+//! and of single features are not translated, as those of sets are. If `spirv-val` (SPIRV-Tools) is installed, it checks
+//! the SPIR-V.
 
 use super::KernelSource;
 use crate::backend::RenderInput;
@@ -214,7 +215,7 @@ fn scene_of(features: &[&Feature], path: &str) -> Scene {
 
 /// Kernel sources of a scene in a mode. With four paths for each camera ray, pixels share light where that is possible, and
 /// numbers are constants. Where a path starts alone, there are also a kernel for coverage by emitters if the scene has any, one
-/// that samples several lights, and one for edges of emitters.
+/// that records guides while pixels share light, one that samples several lights, and one for edges of emitters.
 fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) -> Vec<String> {
     let settings = Settings { size: [8, 8], mode, splitting, path_reuse: Some(true), ..Settings::of(scene) };
     let mut input = RenderInput::new(scene, &settings).with_guides();
@@ -224,6 +225,10 @@ fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) ->
     }
     let source = KernelSource::for_adapter(&input, software);
     let mut sources: Vec<String> = [Some(source.code), source.coverage].into_iter().flatten().collect();
+    if !software && input.records_guides() && input.can_reuse_paths(&settings) {
+        input.config.path_reuse = true;
+        sources.push(KernelSource::for_adapter(&input, software).code);
+    }
     if mode == Mode::Path && splitting.unwrap_or(1) == 1 && !input.config.media {
         let mut input = RenderInput::new(scene, &settings);
         (input.config.light_samples, input.config.indirect_samples) = (4, 2);
@@ -282,18 +287,28 @@ fn check_spirv(words: &[u32], folder: &Path, number: usize) -> Result<(), String
     }
 }
 
+/// Kernel to check.
+struct Kernel {
+    /// What it renders.
+    name: String,
+    code: String,
+    /// True if it is also translated for the backends.
+    is_translated: bool,
+}
+
 /// Checks all distinct kernels; returns their number.
-fn check_all(kernels: Vec<(String, String)>) -> usize {
+fn check_all(kernels: Vec<Kernel>) -> usize {
     let mut seen = HashSet::new();
-    let different: Vec<_> = kernels.into_iter().filter(|(_, code)| seen.insert(code.clone())).collect();
+    let different: Vec<_> = kernels.into_iter().filter(|kernel| seen.insert(kernel.code.clone())).collect();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let faults: Vec<String> = different
         .par_iter()
         .enumerate()
-        .filter_map(|(number, (name, code))| {
-            let result = validated(code)
-                .and_then(|(module, info)| translated(&module, &info))
-                .and_then(|words| check_spirv(&words, folder.path(), number));
+        .filter_map(|(number, Kernel { name, code, is_translated })| {
+            let result = validated(code).and_then(|(module, info)| match is_translated {
+                true => check_spirv(&translated(&module, &info)?, folder.path(), number),
+                false => Ok(()),
+            });
             result.err().map(|fault| format!("{name}: {fault}"))
         })
         .collect();
@@ -329,9 +344,12 @@ fn slow_every_scene_of_the_gallery_compiles_in_every_mode() {
         let name = file.file_stem().expect("a name").to_string_lossy().into_owned();
         let in_mode = move |mode: Mode| {
             let splits = if mode == Mode::Path { vec![Some(1), Some(2), Some(4)] } else { vec![Some(1)] };
+            // Views are translated by the other test.
+            let is_translated = mode == Mode::Path;
             let named = |(splitting, software)| {
                 let name = format!("{name} in {}", mode.name());
-                kernels(&scene, mode, splitting, software).into_iter().map(move |code| (name.clone(), code))
+                let codes = kernels(&scene, mode, splitting, software).into_iter();
+                codes.map(move |code| Kernel { name: name.clone(), code, is_translated })
             };
             splits.into_iter().flat_map(|s| [(s, false), (s, true)]).flat_map(named).collect::<Vec<_>>()
         };
@@ -379,7 +397,10 @@ fn slow_every_pair_of_features_compiles_in_every_mode() {
         let name = if set.len() == 1 { features[set[0]].name.clone() } else { format!("set {number}: {set:?}") };
         let in_mode = move |mode: Mode| {
             let name = format!("{name} in {}", mode.name());
-            kernels(&scene, mode, None, number % 2 == 0).into_iter().map(move |code| (name.clone(), code))
+            // What a view needs of a feature alone, it also needs of that feature among others.
+            let is_translated = mode == Mode::Path || set.len() > 1;
+            let codes = kernels(&scene, mode, None, number % 2 == 0).into_iter();
+            codes.map(move |code| Kernel { name: name.clone(), code, is_translated })
         };
         Mode::ALL.into_iter().flat_map(in_mode).collect::<Vec<_>>()
     });

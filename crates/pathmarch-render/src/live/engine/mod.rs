@@ -11,6 +11,7 @@ use crate::error::RenderError;
 use crate::job::Backend;
 use crate::job::tracer::Tracer;
 use crate::reconstruct::Reconstruction;
+use pathmarch_scene::Scene;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
@@ -38,6 +39,8 @@ pub(super) struct Engine {
     next: Option<(u64, RenderRequest)>,
     input: Option<RenderInput>,
     tracer: Option<Tracer>,
+    /// Scene for which it is known whether pixels at rest share light, and the answer.
+    path_reuse: Option<(Arc<Scene>, bool)>,
     /// First sample of the picture being rendered.
     first_sample: u32,
     /// Next sample of reconstructed pictures in motion: those of successive pictures complement each other.
@@ -77,6 +80,7 @@ impl Engine {
             next: None,
             input: None,
             tracer: None,
+            path_reuse: None,
             first_sample: 0,
             next_moving_sample: 0,
             level: [0; 2],
@@ -237,9 +241,14 @@ impl Engine {
         if done >= 1.0 {
             self.measure_pace(done);
         }
-        if !request.moving && !is_full_size && done >= 1.0 {
-            self.level = self.pace().next_level(self.level, request.settings.size);
-            self.start_level()?;
+        if !request.moving && done >= 1.0 {
+            if !is_full_size {
+                self.level = self.pace().next_level(self.level, request.settings.size);
+                return self.start_level();
+            }
+            if self.choose_path_reuse(&request) {
+                return self.start_level();
+            }
         }
         Ok(())
     }

@@ -101,7 +101,11 @@ impl Engine {
         }
         // A moving picture has a seed and samples of its own.
         let seed = self.input.as_ref().map_or(request.settings.seed, |input| input.frame.seed);
-        let settings = Settings { samples: film.samples, seed, first_sample: self.first_sample, ..request.settings };
+        // What was chosen is part of what the picture is.
+        let shares = self.input.as_ref().is_some_and(|input| input.config.path_reuse);
+        let path_reuse = if shares { Some(true) } else { request.settings.path_reuse };
+        let first_sample = self.first_sample;
+        let settings = Settings { samples: film.samples, seed, first_sample, path_reuse, ..request.settings };
         Ok((film, settings))
     }
 

@@ -18,6 +18,11 @@ use std::time::{Duration, Instant};
 /// Time within which a kernel must be compiled to be waited for; else the CPU starts to render.
 const COMPILE_WAIT: Duration = Duration::from_millis(30);
 
+/// Size of a picture with as many paths as the probe for path reuse, pixels.
+const PROBE_PIXELS: [u32; 2] = [256, 256];
+/// Longest time of that probe, seconds.
+const MAX_PROBE_SECONDS: f64 = 0.25;
+
 /// Settings without those of the view, the size and the samples.
 fn without_view(settings: &Settings) -> Settings {
     Settings { size: [1, 1], samples: 1, seed: 0, camera: 0, viewpoint: None, ..settings.clone() }
@@ -150,10 +155,41 @@ impl Engine {
         settings
     }
 
+    /// True if pixels of a request share light. They do not in motion, where reconstruction hides the same noise for less, nor on
+    /// GPUs, where that would be another kernel.
+    fn reuses_paths(&self, request: &RenderRequest) -> bool {
+        let pays = || self.path_reuse.as_ref().is_some_and(|(scene, pays)| *pays && Arc::ptr_eq(scene, &request.scene));
+        let is_possible = |input: &RenderInput| input.can_reuse_paths(&request.settings);
+        !request.moving
+            && self.is_left_to_cpu()
+            && self.input.as_ref().is_some_and(is_possible)
+            && request.settings.path_reuse.unwrap_or_else(pays)
+    }
+
+    /// True if no GPU is used or will be soon.
+    fn is_left_to_cpu(&self) -> bool {
+        matches!(self.tracer, None | Some(Tracer::Cpu(_))) && !self.gpu.is_compiling() && !self.gpu.has_kernel()
+    }
+
+    /// Chooses whether pixels of the scene of a request share light at rest, if that does not take long. Returns true if they now
+    /// do and did not before.
+    pub(super) fn choose_path_reuse(&mut self, request: &RenderRequest) -> bool {
+        let is_chosen = self.path_reuse.as_ref().is_some_and(|(scene, _)| Arc::ptr_eq(scene, &request.scene));
+        if is_chosen || request.settings.path_reuse.is_some() || !self.is_left_to_cpu() {
+            return false;
+        }
+        let Some(input) = &self.input else { return false };
+        let is_short = self.cpu_pace.seconds(PROBE_PIXELS) <= MAX_PROBE_SECONDS;
+        let pays = is_short && input.path_reuse_pays_on_cpu(&request.scene, &request.settings);
+        self.path_reuse = Some((request.scene.clone(), pays));
+        pays
+    }
+
     /// Starts to compile the scene's kernel, if the GPU needs it.
     pub(super) fn compile(&mut self) {
-        if let Some(input) = &self.input {
-            self.gpu.compile(input, &self.shared);
+        if let Some(mut input) = self.input.clone() {
+            input.config.path_reuse = false;
+            self.gpu.compile(&input, &self.shared);
         }
     }
 
@@ -179,9 +215,14 @@ impl Engine {
         self.next_moving_sample = self.next_moving_sample.wrapping_add(begun as u32);
         let Some((_, request)) = &self.request else { return Ok(()) };
         let settings = self.level_settings(request);
+        let reuses_paths = self.reuses_paths(request);
         let Some(input) = &mut self.input else { return Ok(()) };
         if [input.frame.width, input.frame.height] != self.level && !input.reframe(&request.scene, &settings) {
             *input = input_of(request, &settings);
+            self.tracer = None;
+        }
+        if input.config.path_reuse != reuses_paths {
+            input.config.path_reuse = reuses_paths;
             self.tracer = None;
         }
         let reframed = match &mut self.tracer {
