@@ -15,7 +15,7 @@ use super::guides::{Guide, GuideRecorder};
 use super::medium::transmittance;
 use super::opaque_surfaces::{LightOfPaths, ScatteredPaths, ShadingInputs, kind_in_lanes, roulette, shade_lanes};
 use super::participating_media::medium_after;
-use super::path::{self, emission_towards, shade, shared};
+use super::path::{self, emission_towards, shade, with_shared_light};
 use super::path_reuse::PathReuse;
 use super::path_state::{Path, ROULETTE_DEPTH, clamped, clamped_lanes, escaped_radiance};
 use super::shadow::{ShadowTest, direct_light};
@@ -47,7 +47,7 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
     let mut records = Records { reuse: ctx.config.path_reuse.then(|| PathReuse::new(pixels, samples)), guides: None };
     let mut radiance = vec![Vec3::ZERO; pixels.len() * samples as usize];
     follow(ctx, packets, (first, samples), &mut radiance, &mut records);
-    shared(ctx, records.reuse, radiance).0
+    with_shared_light(ctx, records.reuse, radiance).0
 }
 
 /// Radiance of one sample of each of these pixels and their guides, as [`path::trace_with_guides`], which traces them where
@@ -64,7 +64,7 @@ pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sampl
     };
     let mut radiance = vec![Vec3::ZERO; pixels.len()];
     follow(ctx, packets, (sample, 1), &mut radiance, &mut records);
-    let (radiance, shared) = shared(ctx, records.reuse, radiance);
+    let (radiance, shared) = with_shared_light(ctx, records.reuse, radiance);
     let guides = records.guides.map_or(Vec::new(), |guides| guides.into_guides(ctx, &radiance, shared.as_deref()));
     (radiance, guides)
 }

@@ -59,7 +59,7 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, None);
     if ctx.config.splitting == 1 {
         let radiance = continue_paths(ctx, paths, vertices, radiance, None, reuse.as_mut());
-        return shared(ctx, reuse, radiance).0;
+        return with_shared_light(ctx, reuse, radiance).0;
     }
     let radiance = radiance.iter().flat_map(|&value| repeat_n(value, samples as usize)).collect();
     let split_paths = paths.iter().flat_map(|path| {
@@ -70,11 +70,11 @@ pub(crate) fn trace(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, sampl
     });
     let vertices = vertices.into_iter().flat_map(|vertex| repeat_n(vertex, samples as usize)).collect();
     let radiance = continue_paths(ctx, split_paths.collect(), vertices, radiance, None, reuse.as_mut());
-    shared(ctx, reuse, radiance).0
+    with_shared_light(ctx, reuse, radiance).0
 }
 
 /// Radiance of paths that share the light of their second surfaces, and what each has of it; these radiances without `reuse`.
-pub(super) fn shared(
+pub(super) fn with_shared_light(
     ctx: &TraceContext,
     reuse: Option<PathReuse>,
     mut radiance: Vec<Vec3>,
@@ -92,7 +92,7 @@ pub(crate) fn trace_with_guides(ctx: &TraceContext, pixels: &[(u32, u32)], sampl
     let vertices = intersect_paths(ctx, &mut paths, 0, &mut radiance, Some(&mut recorder));
     let mut reuse = ctx.config.path_reuse.then(|| PathReuse::new(pixels, 1));
     let radiance = continue_paths(ctx, paths, vertices, radiance, Some(&mut recorder), reuse.as_mut());
-    let (radiance, shared) = shared(ctx, reuse, radiance);
+    let (radiance, shared) = with_shared_light(ctx, reuse, radiance);
     let guides = recorder.into_guides(ctx, &radiance, shared.as_deref());
     (radiance, guides)
 }

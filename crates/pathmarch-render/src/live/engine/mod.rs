@@ -49,6 +49,8 @@ pub(super) struct Engine {
     level: [u32; 2],
     gpu_pace: Pace,
     cpu_pace: Pace,
+    /// Pace of pictures at rest whose pixels share light; others do not get smaller by it.
+    sharing_pace: Pace,
     reconstruction: Reconstruction,
     /// True if the scene has changed since the last film was started.
     scene_changed: bool,
@@ -86,6 +88,7 @@ impl Engine {
             level: [0; 2],
             gpu_pace: Pace::default(),
             cpu_pace: Pace::default(),
+            sharing_pace: Pace::default(),
             reconstruction: Reconstruction::default(),
             scene_changed: false,
             reconstruction_time: Duration::ZERO,
@@ -207,6 +210,11 @@ impl Engine {
         if matches!(self.tracer, Some(Tracer::Gpu(_))) { &self.gpu_pace } else { &self.cpu_pace }
     }
 
+    /// True if the pixels of the picture share light.
+    fn shares_light(&self) -> bool {
+        self.input.as_ref().is_some_and(|input| input.config.path_reuse)
+    }
+
     /// Renders a slice, and publishes a picture if it is time for one.
     fn render_slice(&mut self) -> Result<(), RenderError> {
         let Some((_, request)) = self.request.clone() else { return Ok(()) };
@@ -269,8 +277,10 @@ impl Engine {
         if done > before {
             let took = since.elapsed();
             let pixels = (done - before) * f64::from(self.level[0]) * f64::from(self.level[1]);
+            let shares = self.shares_light();
             let pace = match &self.tracer {
                 Some(Tracer::Gpu(_)) => &mut self.gpu_pace,
+                _ if shares => &mut self.sharing_pace,
                 _ => &mut self.cpu_pace,
             };
             pace.learn(pixels, took);

@@ -102,8 +102,7 @@ impl Engine {
         // A moving picture has a seed and samples of its own.
         let seed = self.input.as_ref().map_or(request.settings.seed, |input| input.frame.seed);
         // What was chosen is part of what the picture is.
-        let shares = self.input.as_ref().is_some_and(|input| input.config.path_reuse);
-        let path_reuse = if shares { Some(true) } else { request.settings.path_reuse };
+        let path_reuse = if self.shares_light() { Some(true) } else { request.settings.path_reuse };
         let first_sample = self.first_sample;
         let settings = Settings { samples: film.samples, seed, first_sample, path_reuse, ..request.settings };
         Ok((film, settings))
@@ -130,7 +129,8 @@ impl Engine {
             Some(tracer) if full_size == Some(self.level) => tracer.samples_done(),
             _ => 0.0,
         };
-        *samples_per_second = full_size.map_or(0.0, |size| 1.0 / self.pace().seconds(size));
+        let pace = if self.shares_light() { &self.sharing_pace } else { self.pace() };
+        *samples_per_second = full_size.map_or(0.0, |size| 1.0 / pace.seconds(size));
         *compiling = self.gpu.is_compiling();
         let was_resting = std::mem::replace(resting, self.tracer.is_some() && !self.has_work());
         let changed = was_resting != *resting;
