@@ -164,11 +164,11 @@ impl RenderInput {
 
     /// True if a picture of these settings converges sooner on the CPU where pixels share light, with one sample of a light and of
     /// indirect light at each surface.
-    pub(crate) fn path_reuse_pays_on_cpu(&self, scene: &Scene, settings: &Settings) -> bool {
-        let frame = FrameUniforms::new(scene, settings, &self.scene);
+    pub(crate) fn path_reuse_pays_on_cpu(&self, settings: &Settings) -> bool {
+        let mut input = self.clone();
         let cost = path_reuse_choice::cpu_connection_cost(&self.config);
-        self.can_reuse_paths(settings)
-            && path_reuse_choice::pays(&self.scene, &frame, &self.config, settings.samples, 1.0, cost)
+        input.choose_path_reuse(settings, settings.samples, &BestCounts::one(), cost);
+        input.config.path_reuse
     }
 
     /// Lets pixels share light if the settings ask for it, or if the picture then converges sooner than with several indirect

@@ -180,7 +180,7 @@ impl Engine {
         }
         let Some(input) = &self.input else { return false };
         let is_short = self.cpu_pace.seconds(PROBE_PIXELS) <= MAX_PROBE_SECONDS;
-        let pays = is_short && input.path_reuse_pays_on_cpu(&request.scene, &request.settings);
+        let pays = is_short && input.path_reuse_pays_on_cpu(&request.settings);
         self.path_reuse = Some((request.scene.clone(), pays));
         pays
     }
