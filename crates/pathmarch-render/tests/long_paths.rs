@@ -9,7 +9,7 @@ use pathmarch_render::{RenderError, Renderer, Settings};
 use pathmarch_testing::tests;
 
 /// Seeds of the random scenes, unless `PATHMARCH_RANDOM_SCENES` sets others: a number of them, or a range such as `800-1000`.
-const SEEDS: std::ops::Range<u64> = 0..40;
+const SEEDS: std::ops::Range<u64> = 0..20;
 
 fn seeds() -> std::ops::Range<u64> {
     let Ok(text) = std::env::var("PATHMARCH_RANDOM_SCENES") else { return SEEDS };

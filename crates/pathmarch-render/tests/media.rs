@@ -217,7 +217,8 @@ tests! {
         absorption_is_the_same_among_other_media,
         sample_ranges_add_up_in_media,
     ],
-    plain slow: [all_estimators_make_one_picture_in_media, splitting_keeps_the_mean_in_media],
+    plain slow: [splitting_keeps_the_mean_in_media],
+    plain nightly: [all_estimators_make_one_picture_in_media],
     on_each_backend: [
         media_absorb_by_beer_and_lamberts_law,
         media_emit_along_the_way,

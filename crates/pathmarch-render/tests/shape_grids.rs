@@ -5,7 +5,7 @@ use pathmarch_render::metrics::relmse;
 use pathmarch_render::pathmarch_field::Field;
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Mode, Renderer, Settings};
-use pathmarch_testing::tests;
+use pathmarch_testing::{some_of, tests};
 use std::fmt::Write;
 
 /// Scene of a smooth union of shapes of two colours, spheres and tori as separate objects, lamps, and a floor.
@@ -80,7 +80,7 @@ fn without_grids(scene: &Scene) -> Scene {
 }
 
 fn pictures_do_not_depend_on_shape_grids(renderer: &Renderer) {
-    for (scene, shapes_as_code) in [(scene(), [1, 271]), (mixed_scene(), [5, 225])] {
+    for (scene, shapes_as_code) in some_of([(mixed_scene(), [5, 225]), (scene(), [1, 271])], 2) {
         assert_eq!([&scene, &without_grids(&scene)].map(|scene| scene.field.shapes_as_code()), shapes_as_code);
         let settings = Settings { size: [128, 72], samples: 64, ..Settings::of(&scene) };
         let cpu = Renderer::open(Backend::Cpu, None).expect("the CPU backend");

@@ -3,7 +3,7 @@
 //! Whether a machine has it is known only at run time, when the standard harness can no longer ignore a test. This
 //! harness reports such tests as *ignored*, with the reason, or as failed if an environment variable requires the
 //! hardware, as in CI. Arguments and output are those of `cargo test` (libtest-mimic); the output of tests is not
-//! captured. `cargo nextest` also lists them as ignored.
+//! captured. `PATHMARCH_TEST_TIMES=FILE` records how long each took. `cargo nextest` also lists them as ignored.
 //!
 //! A test file ends with the list of its tests, [`tests!`]. A function missing from the list is dead code, which the
 //! compiler reports; an attribute `#[test]`, which would have no effect, fails the test [`LISTED`].
@@ -11,8 +11,11 @@
 use libtest_mimic::{Arguments, Completion, Failed, Trial};
 use std::any::Any;
 use std::fmt::Display;
+use std::fs::OpenOptions;
+use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Hardware that not every machine has.
 pub struct Requirement {
@@ -26,13 +29,15 @@ pub struct Requirement {
 pub struct Test {
     name: String,
     requirement: Option<&'static Requirement>,
+    /// Ignored unless `PATHMARCH_NIGHTLY` is set.
+    nightly: bool,
     run: Box<dyn FnOnce() + Send>,
 }
 
 impl Test {
     /// Creates a test that runs on every machine.
     pub fn new(name: &str, run: impl FnOnce() + Send + 'static) -> Self {
-        Self { name: name.to_owned(), requirement: None, run: Box::new(run) }
+        Self { name: name.to_owned(), requirement: None, nightly: false, run: Box::new(run) }
     }
 
     /// Creates a test that is ignored if the hardware is missing.
@@ -40,12 +45,22 @@ impl Test {
         Self { requirement: Some(requirement), ..Self::new(name, run) }
     }
 
+    /// The same test, ignored unless `PATHMARCH_NIGHTLY` is set.
+    #[must_use]
+    pub fn nightly(self) -> Self {
+        Self { nightly: true, ..self }
+    }
+
     fn trial(self, listing: bool) -> Trial {
-        let Self { name, requirement, run } = self;
+        let Self { name, requirement, nightly, run } = self;
+        let nightly = nightly && !is_nightly();
         let is_missing = |requirement: &Requirement| !is_set(requirement.variable) && (requirement.missing)().is_some();
         // For programs that list the tests and run each one separately.
-        let ignored = listing && requirement.is_some_and(is_missing);
+        let ignored = listing && (nightly || requirement.is_some_and(is_missing));
         let outcome = move || {
+            if nightly {
+                ignore(format_args!("long, runs with {NIGHTLY}=1"));
+            }
             if let Some(requirement) = requirement
                 && let Some(reason) = (requirement.missing)()
             {
@@ -53,15 +68,49 @@ impl Test {
             }
             run();
         };
-        let test = Trial::ignorable_test(name, move || match catch_unwind(AssertUnwindSafe(outcome)) {
-            Ok(()) => Ok(Completion::Completed),
-            Err(payload) => match payload.downcast::<Ignored>() {
-                Ok(ignored) => Ok(Completion::ignored_with(ignored.0)),
-                Err(payload) => Err(failure(&*payload)),
-            },
+        let label = name.clone();
+        let test = Trial::ignorable_test(name, move || {
+            let start = Instant::now();
+            let outcome = catch_unwind(AssertUnwindSafe(outcome));
+            record_time(&label, start.elapsed());
+            match outcome {
+                Ok(()) => Ok(Completion::Completed),
+                Err(payload) => match payload.downcast::<Ignored>() {
+                    Ok(ignored) => Ok(Completion::ignored_with(ignored.0)),
+                    Err(payload) => Err(failure(&*payload)),
+                },
+            }
         });
         test.with_ignored_flag(ignored)
     }
+}
+
+/// Appends the time of a test, seconds, and its name to the file that `PATHMARCH_TEST_TIMES` names.
+fn record_time(name: &str, time: Duration) {
+    let Some(path) = std::env::var_os("PATHMARCH_TEST_TIMES") else { return };
+    let file = OpenOptions::new().create(true).append(true).open(path);
+    // Without the file the test's own outcome still counts.
+    let _ = file.and_then(|mut file| file.write_all(format!("{:8.2} {name}\n", time.as_secs_f64()).as_bytes()));
+}
+
+/// Environment variable that makes long tests run whole.
+const NIGHTLY: &str = "PATHMARCH_NIGHTLY";
+
+/// True if long tests run whole: `PATHMARCH_NIGHTLY` is set.
+fn is_nightly() -> bool {
+    is_set(NIGHTLY)
+}
+
+/// Cases of a long test: every `step`-th from the first on, or all if `PATHMARCH_NIGHTLY` is set.
+///
+/// ```
+/// let cases = pathmarch_testing::some_of(1..=9, 4);
+/// # if std::env::var_os("PATHMARCH_NIGHTLY").is_none() {
+/// assert_eq!(cases.collect::<Vec<_>>(), [1, 5, 9]);
+/// # }
+/// ```
+pub fn some_of<T>(cases: impl IntoIterator<Item = T>, step: usize) -> impl Iterator<Item = T> {
+    cases.into_iter().step_by(if is_nightly() { 1 } else { step })
 }
 
 fn is_set(variable: &str) -> bool {
@@ -95,7 +144,8 @@ pub fn missing(variable: &str, reason: impl Display) -> ! {
 }
 
 /// Lists the tests of a file by kind. A kind is a function `fn(name: &str, test) -> impl IntoIterator<Item = Test>`.
-/// Slow tests get `slow` in their names, so that a quick run can skip them.
+/// Slow tests get `slow` in their names, so that a quick run can skip them; nightly ones are also ignored unless
+/// `PATHMARCH_NIGHTLY` is set.
 ///
 /// ```
 /// use pathmarch_testing::{plain, tests};
@@ -118,12 +168,16 @@ pub fn missing(variable: &str, reason: impl Display) -> ! {
 #[macro_export]
 macro_rules! tests {
     (@speed [slow]) => { "slow::" };
+    (@speed [nightly]) => { "slow::" };
     (@speed []) => { "" };
+    (@when [nightly] $tests:expr) => { $tests.into_iter().map($crate::Test::nightly) };
+    (@when $speed:tt $tests:expr) => { $tests };
     (@extend $tests:ident $kind:ident $speed:tt $($test:ident)*) => {
         $(
             let name = concat!(module_path!(), "::", $crate::tests!(@speed $speed), stringify!($test));
             // Remove the name of the crate.
-            $tests.extend($kind(name.split_once("::").map_or(name, |(_, name)| name), $test));
+            let tests = $kind(name.split_once("::").map_or(name, |(_, name)| name), $test);
+            $tests.extend($crate::tests!(@when $speed tests));
         )*
     };
     ($($kind:ident $($speed:ident)?: [$($test:ident),* $(,)?]),* $(,)?) => {

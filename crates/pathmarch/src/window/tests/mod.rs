@@ -29,7 +29,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Default timeout, seconds, generous for busy machines; `PATHMARCH_TEST_PATIENCE` overrides it.
-const DEFAULT_TIMEOUT: u64 = 900;
+const DEFAULT_TIMEOUT: u64 = 300;
 /// Time per frame: two clicks with a pause between them are no double click.
 const FRAME: f32 = 0.05;
 /// Frames that separate two single clicks.

@@ -15,7 +15,7 @@ use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 /// Default timeout, seconds, generous for busy machines; `PATHMARCH_TEST_PATIENCE` overrides it.
-const DEFAULT_TIMEOUT: u64 = 900;
+const DEFAULT_TIMEOUT: u64 = 300;
 /// Interval between screenshots.
 const PAUSE: Duration = Duration::from_millis(25);
 /// Interval between keys, as of a fast typist.
