@@ -5,7 +5,7 @@ use pathmarch_render::denoise::{Denoiser, Features};
 use pathmarch_render::image::{self, Picture};
 use pathmarch_render::metrics::relmse;
 use pathmarch_render::parts::{FilmPart, Rect};
-use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
+use pathmarch_render::pathmarch_scene::{Animation, Caustics, Moment, Scene};
 use pathmarch_render::{AdaptiveTile, Mode, RenderError, Renderer, Settings, Shutter};
 use pathmarch_testing::{plain, tests};
 use std::sync::{Arc, Mutex};
@@ -212,8 +212,21 @@ fn what_cannot_be_done_is_refused() {
     assert!(error.is_some_and(|error| error.contains("path-traced")));
 }
 
+fn pictures_have_the_light_paths_that_are_asked_for() {
+    let scene = parse(include_str!("data/caustic_point.kdl"));
+    let picture = |light_paths| {
+        let settings =
+            Settings { size: [48, 32], samples: 8, caustics: Caustics::Traced, light_paths, ..Settings::of(&scene) };
+        render(&cpu(), &scene, &settings, 0.05).0
+    };
+    let default = picture(None);
+    assert_eq!(default, picture(Some(48 * 32 / 2)));
+    assert_ne!(default, picture(Some(64)));
+}
+
 tests! {
     plain: [
+        pictures_have_the_light_paths_that_are_asked_for,
         samples_that_are_chosen_do_not_bias_the_picture,
         the_picture_so_far_has_the_samples_that_are_done,
         a_seed_gives_one_picture,
@@ -222,5 +235,8 @@ tests! {
         halves_are_denoised,
     ],
     on_each_backend: [
-        an_interrupted_picture_goes_on_to_the_same,every_tile_has_the_error_that_was_asked_for, pixels_get_samples_where_noise_is],
+        an_interrupted_picture_goes_on_to_the_same,
+        every_tile_has_the_error_that_was_asked_for,
+        pixels_get_samples_where_noise_is,
+    ],
 }

@@ -4,7 +4,7 @@ use super::Real;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Point or vector.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vec3<N> {
     /// Component along x.
     pub x: N,

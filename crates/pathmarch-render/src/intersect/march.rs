@@ -115,7 +115,7 @@ fn intersect_triangles(field: &Field, frame: &FrameUniforms, segment: &RaySegmen
 }
 
 /// State of eight sphere-traced rays.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Lanes {
     origin: FieldVec3<f32x8>,
     direction: FieldVec3<f32x8>,
@@ -132,23 +132,6 @@ struct Lanes {
     radius: f32x8,
     /// Step from the last point.
     stride: f32x8,
-}
-
-impl Default for Lanes {
-    fn default() -> Self {
-        let (zero, origin) = (f32x8::ZERO, FieldVec3::splat(f32x8::ZERO));
-        Self {
-            origin,
-            direction: origin,
-            t: zero,
-            limit: zero,
-            path_length: zero,
-            steps: zero,
-            last_distance: zero,
-            radius: zero,
-            stride: zero,
-        }
-    }
 }
 
 impl Lanes {

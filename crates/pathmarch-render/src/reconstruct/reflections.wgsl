@@ -19,6 +19,7 @@ fn is_medium_at(pixel: u32) -> bool {
     return (guides[4u * pixel + 3u].w >> 24u) == 255u;
 }
 
+/// Normal of the first surface of a pixel.
 fn normal_at(pixel: u32) -> vec3f {
     return from_octahedral(unpack2x16snorm(guides[4u * pixel + 1u].x));
 }

@@ -76,6 +76,12 @@ pub(crate) fn hash(x: u32) -> u32 {
     (word >> 22) ^ word
 }
 
+/// Seed of a pair of dimensions, for the hash of the picture's seed.
+#[inline(always)]
+fn pair_seed(seed_hash: u32, pair: u32) -> u32 {
+    hash(seed_hash ^ pair.wrapping_mul(0x9e37_79b9))
+}
+
 /// Owen scrambling of the reversed bits `x`: a hash of the bits below each bit decides its flip.
 #[inline(always)]
 pub(crate) fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
@@ -198,7 +204,7 @@ impl PixelSampler8 {
                 [x[lane], y[lane]] = self.lane(lane).independent_2d(pair);
             }
         } else {
-            let seed = hash(self.seed_hash ^ pair.wrapping_mul(0x9e37_79b9));
+            let seed = pair_seed(self.seed_hash, pair);
             let order = sobol_order(self.sample, seed);
             for lane in 0..8 {
                 [x[lane], y[lane]] = sobol_2d(seed, order, self.curve_index[lane]);
@@ -282,14 +288,14 @@ impl PixelSampler {
 
     #[inline(always)]
     fn independent_2d(self, pair: u32) -> [f32; 2] {
-        let seed = hash(self.seed_hash ^ pair.wrapping_mul(0x9e37_79b9));
+        let seed = pair_seed(self.seed_hash, pair);
         let x = hash(self.sample ^ hash(self.curve_index ^ seed));
         [unit(x), unit(hash(x ^ seed))]
     }
 
     #[inline(always)]
     fn sobol_2d(self, pair: u32) -> [f32; 2] {
-        let seed = hash(self.seed_hash ^ pair.wrapping_mul(0x9e37_79b9));
+        let seed = pair_seed(self.seed_hash, pair);
         sobol_2d(seed, sobol_order(self.sample, seed), self.curve_index)
     }
 

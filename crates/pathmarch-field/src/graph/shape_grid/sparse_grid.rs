@@ -47,6 +47,8 @@ const ROOTS: u32 = 16;
 const MAX_ROOTS: f32 = (ROOTS + 2) as f32;
 /// Root cells along each axis whose lists are pruned together, as a power of two.
 const BLOCK: u32 = 2;
+/// Number of blocks that a task of the pool prunes.
+const CHUNK: usize = 8;
 /// Splits of the cells of each level along each axis, as powers of two.
 pub(crate) const SPLITS: [u32; 4] = [2, 1, 1, 1];
 /// Smallest cells of a root along each axis, as a power of two.
@@ -263,7 +265,7 @@ impl SparseGrid {
                 let mut roots = Vec::new();
                 match previous {
                     Some((before, changed))
-                        if before.blocks[8 * chunk + k] == shapes && is_unchanged(&shapes, changed) =>
+                        if before.blocks[CHUNK * chunk + k] == shapes && is_unchanged(&shapes, changed) =>
                     {
                         let indices = grid.roots_in(place);
                         roots.extend(indices.map(|index| (index, before.roots[index].clone())));
@@ -274,7 +276,7 @@ impl SparseGrid {
             }
             blocks
         };
-        let blocks: Vec<_> = places.par_chunks(8).enumerate().flat_map_iter(blocks_of).collect();
+        let blocks: Vec<_> = places.par_chunks(CHUNK).enumerate().flat_map_iter(blocks_of).collect();
         let mut roots = Vec::new();
         for (shapes, of_block) in blocks {
             grid.blocks.push(shapes);

@@ -392,7 +392,6 @@ impl Arguments {
                 (self.splitting.is_some(), "--splitting"),
                 (self.light_samples.is_some(), "--light-samples"),
                 (self.indirect_samples.is_some(), "--indirect-samples"),
-                (self.light_paths.is_some(), "--light-paths"),
                 (self.path_reuse.is_some(), "--path-reuse"),
                 (self.emitter_edges.is_some(), "--emitter-edges"),
                 (film, "a .film"),
