@@ -12,7 +12,7 @@
 
 use super::motion::EarlierPoints;
 use super::planes::{Grid, Place, Planes};
-use super::temporal::{History, Projection};
+use super::temporal::{History, Projection, SoughtPoint};
 use crate::integrator::guides::Guide;
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
@@ -66,13 +66,19 @@ const LEAST_EXPONENT: f32 = -64.0;
 const SHARED_ROWS: usize = 8;
 
 /// Samples of the nine pixels around one.
-#[derive(Clone, Copy)]
 struct Neighbourhood {
     /// Means of the opponent colours and of their squares.
     mean: Vec3,
     mean_square: Vec3,
-    /// Index of the guide nearest to the camera: edges move with what is in front.
-    nearest: usize,
+    /// Motion of the surface nearest to the camera: edges move with what is in front. `None` if it was or is outside.
+    motion: Option<SurfaceMotion>,
+}
+
+/// A point of a surface, and its positions in the last picture and in this one, each in pixels of its samples.
+struct SurfaceMotion {
+    sought: SoughtPoint,
+    before: [f32; 2],
+    now: [f32; 2],
 }
 
 /// New samples of a picture, which is shown at another size.
@@ -139,7 +145,7 @@ impl Upscaling<'_> {
             let y = (v as usize).min(samples_high - 1);
             if row_of_samples != y {
                 row_of_samples = y;
-                neighbourhoods = (0..samples_wide).map(|x| self.neighbourhood([x, y])).collect();
+                neighbourhoods = (0..samples_wide).map(|x| self.neighbourhood([x, y], last)).collect();
             }
             for (column, colour) in colours.iter_mut().enumerate() {
                 let u = point(column, 0);
@@ -151,10 +157,11 @@ impl Upscaling<'_> {
 
     /// Colour of the picture at a point, in pixels of the samples, within one of these pixels.
     fn pixel(&self, point: [f32; 2], pixel: [usize; 2], around: &Neighbourhood, last: Option<Last>) -> Vec3 {
-        let &Neighbourhood { mean, mean_square, nearest } = around;
+        let &Neighbourhood { mean, mean_square, ref motion } = around;
         let (new, weight) = self.interpolated(point, pixel);
-        let Some(Last { picture: shown, history, earlier, new_weight }) = last else { return new };
-        let Some(position) = self.before(point, nearest, history, earlier) else { return new };
+        let Some(Last { picture: shown, history, new_weight, .. }) = last else { return new };
+        let position = motion.as_ref().and_then(|motion| self.before(point, motion, history));
+        let Some(position) = position else { return new };
         let sampled = history.frame.size();
         let old = shown.cubic(std::array::from_fn(|k| position[k] * shown.size[k] as f32 / sampled[k] as f32));
         let deviation = REACH * (mean_square - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
@@ -165,18 +172,24 @@ impl Upscaling<'_> {
         old.lerp(new, (new_weight * weight).max(MIN_WEIGHT))
     }
 
-    /// Position of a point in the last picture, if it moves as the sample of this index does; `None` outside, and where the
-    /// surface of the sample was hidden. Both positions are in pixels of the samples.
-    fn before(&self, point: [f32; 2], index: usize, history: &History, earlier: &EarlierPoints) -> Option<[f32; 2]> {
+    /// Motion of the surface of the sample with this index since the last picture.
+    fn motion_of(&self, index: usize, Last { history, earlier, .. }: Last) -> Option<SurfaceMotion> {
         let guide = &self.guides[index];
         let sought = history.sought(guide, earlier.at(index, guide), self.frame);
-        let [old, new] = [history.projection.project(sought.position)?, self.projection.project(guide.position)?];
+        let before = history.projection.project(sought.position)?;
+        Some(SurfaceMotion { sought, before, now: self.projection.project(guide.position)? })
+    }
+
+    /// Position of a point in the last picture, if it moves as this surface does; `None` outside, and where the surface was
+    /// hidden. Both positions are in pixels of the samples.
+    fn before(&self, point: [f32; 2], motion: &SurfaceMotion, history: &History) -> Option<[f32; 2]> {
+        let SurfaceMotion { sought, before, now } = motion;
         // Pictures may differ in size.
         let size = [history.frame.width as f32, history.frame.height as f32];
         let scale = [size[0] / self.frame.width as f32, size[1] / self.frame.height as f32];
-        let [x, y]: [f32; 2] = std::array::from_fn(|k| (point[k] - new[k]) * scale[k] + old[k]);
+        let [x, y]: [f32; 2] = std::array::from_fn(|k| (point[k] - now[k]) * scale[k] + before[k]);
         let is_inside = (0.0..size[0]).contains(&x) && (0.0..size[1]).contains(&y);
-        (is_inside && history.shows(&sought, [x, y])).then_some([x, y])
+        (is_inside && history.shows(sought, [x, y])).then_some([x, y])
     }
 
     /// Indices of a pixel of the samples and those around it, row by row.
@@ -188,7 +201,7 @@ impl Upscaling<'_> {
     }
 
     /// Samples around a pixel of them.
-    fn neighbourhood(&self, [x, y]: [usize; 2]) -> Neighbourhood {
+    fn neighbourhood(&self, [x, y]: [usize; 2], last: Option<Last>) -> Neighbourhood {
         let centre = y * self.frame.width as usize + x;
         let (mut sum, mut squares, mut count) = (Vec4::ZERO, Vec4::ZERO, 0.0);
         let (mut nearest, mut least) = (centre, self.opponents[centre].w);
@@ -201,7 +214,8 @@ impl Upscaling<'_> {
             squares += opponent * opponent;
             count += 1.0;
         }
-        Neighbourhood { mean: sum.xyz() / count, mean_square: squares.xyz() / count, nearest }
+        let motion = last.and_then(|last| self.motion_of(nearest, last));
+        Neighbourhood { mean: sum.xyz() / count, mean_square: squares.xyz() / count, motion }
     }
 
     /// Colour at a point, in pixels of the samples, within one of these pixels, and the weight of the sample nearest to it, 0 to 1.
@@ -262,11 +276,13 @@ impl ShownPicture {
         let [columns, rows] = [x, y].map(|coordinate| catmull_rom(coordinate - coordinate.floor()));
         let mut sum = Vec4::ZERO;
         let (mut least, mut most) = (Vec4::splat(f32::MAX), Vec4::splat(-f32::MAX));
+        let places: [usize; 4] =
+            std::array::from_fn(|i| (x.floor() as i32 - 1 + i as i32).clamp(0, width - 1) as usize);
         for (j, row) in rows.into_iter().enumerate() {
             let start = (y.floor() as i32 - 1 + j as i32).clamp(0, height - 1) * width;
+            let of_row = &self.colours[start as usize..][..width as usize];
             for (i, column) in columns.into_iter().enumerate() {
-                let place = start + (x.floor() as i32 - 1 + i as i32).clamp(0, width - 1);
-                let colour = self.colours[place as usize];
+                let colour = of_row[places[i]];
                 sum += colour * (row * column);
                 if (1..=2).contains(&i) && (1..=2).contains(&j) {
                     (least, most) = (least.min(colour), most.max(colour));
