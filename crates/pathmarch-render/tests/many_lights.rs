@@ -240,7 +240,7 @@ fn copies_of_lamps_light_as_objects_do(renderer: &Renderer) {
 
 tests! {
     plain slow: [pictures_do_not_depend_on_the_choice_of_lights],
-    plain nightly: [pictures_of_fog_do_not_depend_on_the_choice_of_lights],
+    plain long: [pictures_of_fog_do_not_depend_on_the_choice_of_lights],
     on_each_backend: [
         ranges_of_samples_add_up,
         lamps_in_one_point_are_one_lamp,

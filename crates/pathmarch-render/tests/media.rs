@@ -218,7 +218,7 @@ tests! {
         sample_ranges_add_up_in_media,
     ],
     plain slow: [splitting_keeps_the_mean_in_media],
-    plain nightly: [all_estimators_make_one_picture_in_media],
+    plain long: [all_estimators_make_one_picture_in_media],
     on_each_backend: [
         media_absorb_by_beer_and_lamberts_law,
         media_emit_along_the_way,

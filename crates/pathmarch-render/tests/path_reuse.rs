@@ -128,5 +128,5 @@ tests! {
     on_both_backends: [both_backends_share_the_same_light],
     plain: [splitting_and_ranges_of_samples_go_together, pictures_decide_for_themselves],
     plain slow: [closed_rooms_have_less_noise],
-    plain nightly: [pictures_are_the_same],
+    plain long: [pictures_are_the_same],
 }

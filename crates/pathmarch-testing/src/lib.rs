@@ -17,54 +17,50 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Hardware that not every machine has.
+/// What not every run has: hardware, or the time for long tests.
 pub struct Requirement {
-    /// Environment variable that makes tests fail without the hardware.
+    /// Environment variable that makes tests fail without it.
     pub variable: &'static str,
-    /// Reason why the hardware is missing; `None` if it is there.
+    /// Reason why it is missing; `None` if it is there.
     pub missing: fn() -> Option<String>,
 }
 
 /// A test.
 pub struct Test {
     name: String,
-    requirement: Option<&'static Requirement>,
-    /// Ignored unless `PATHMARCH_NIGHTLY` is set.
-    nightly: bool,
+    requirements: Vec<&'static Requirement>,
     run: Box<dyn FnOnce() + Send>,
 }
 
 impl Test {
     /// Creates a test that runs on every machine.
     pub fn new(name: &str, run: impl FnOnce() + Send + 'static) -> Self {
-        Self { name: name.to_owned(), requirement: None, nightly: false, run: Box::new(run) }
+        Self { name: name.to_owned(), requirements: Vec::new(), run: Box::new(run) }
     }
 
     /// Creates a test that is ignored if the hardware is missing.
     pub fn requiring(name: &str, requirement: &'static Requirement, run: impl FnOnce() + Send + 'static) -> Self {
-        Self { requirement: Some(requirement), ..Self::new(name, run) }
+        Self { requirements: vec![requirement], ..Self::new(name, run) }
     }
 
-    /// The same test, ignored unless `PATHMARCH_NIGHTLY` is set.
+    /// The same test, ignored unless `PATHMARCH_LONG_TESTS` is set.
     #[must_use]
-    pub fn nightly(self) -> Self {
-        Self { nightly: true, ..self }
+    pub fn long(mut self) -> Self {
+        self.requirements.push(&LONG_TESTS);
+        self
     }
 
     fn trial(self, listing: bool) -> Trial {
-        let Self { name, requirement, nightly, run } = self;
-        let nightly = nightly && !is_nightly();
-        let is_missing = |requirement: &Requirement| !is_set(requirement.variable) && (requirement.missing)().is_some();
+        let Self { name, requirements, run } = self;
+        let is_missing =
+            |requirement: &&Requirement| !is_set(requirement.variable) && (requirement.missing)().is_some();
         // For programs that list the tests and run each one separately.
-        let ignored = listing && (nightly || requirement.is_some_and(is_missing));
+        let ignored = listing && requirements.iter().any(is_missing);
         let outcome = move || {
-            if nightly {
-                ignore(format_args!("long, runs with {NIGHTLY}=1"));
-            }
-            if let Some(requirement) = requirement
-                && let Some(reason) = (requirement.missing)()
-            {
-                missing(requirement.variable, reason);
+            for requirement in requirements {
+                if let Some(reason) = (requirement.missing)() {
+                    missing(requirement.variable, reason);
+                }
             }
             run();
         };
@@ -93,24 +89,25 @@ fn record_time(name: &str, time: Duration) {
     let _ = file.and_then(|mut file| file.write_all(format!("{:8.2} {name}\n", time.as_secs_f64()).as_bytes()));
 }
 
-/// Environment variable that makes long tests run whole.
-const NIGHTLY: &str = "PATHMARCH_NIGHTLY";
+/// Time for long tests, which only the environment gives.
+static LONG_TESTS: Requirement = Requirement {
+    variable: "PATHMARCH_LONG_TESTS",
+    missing: || {
+        let variable = LONG_TESTS.variable;
+        (!is_set(variable)).then(|| format!("a long test; {variable}=1 runs it"))
+    },
+};
 
-/// True if long tests run whole: `PATHMARCH_NIGHTLY` is set.
-fn is_nightly() -> bool {
-    is_set(NIGHTLY)
-}
-
-/// Cases of a long test: every `step`-th from the first on, or all if `PATHMARCH_NIGHTLY` is set.
+/// Cases of a test: every `step`-th from the first on, or all if `PATHMARCH_LONG_TESTS` is set.
 ///
 /// ```
 /// let cases = pathmarch_testing::some_of(1..=9, 4);
-/// # if std::env::var_os("PATHMARCH_NIGHTLY").is_none() {
+/// # if std::env::var_os("PATHMARCH_LONG_TESTS").is_none() {
 /// assert_eq!(cases.collect::<Vec<_>>(), [1, 5, 9]);
 /// # }
 /// ```
 pub fn some_of<T>(cases: impl IntoIterator<Item = T>, step: usize) -> impl Iterator<Item = T> {
-    cases.into_iter().step_by(if is_nightly() { 1 } else { step })
+    cases.into_iter().step_by(if is_set(LONG_TESTS.variable) { 1 } else { step })
 }
 
 fn is_set(variable: &str) -> bool {
@@ -144,8 +141,8 @@ pub fn missing(variable: &str, reason: impl Display) -> ! {
 }
 
 /// Lists the tests of a file by kind. A kind is a function `fn(name: &str, test) -> impl IntoIterator<Item = Test>`.
-/// Slow tests get `slow` in their names, so that a quick run can skip them; nightly ones are also ignored unless
-/// `PATHMARCH_NIGHTLY` is set.
+/// Slow tests get `slow` in their names, so that a quick run can skip them; long ones do so, too, and are
+/// ignored unless `PATHMARCH_LONG_TESTS` is set.
 ///
 /// ```
 /// use pathmarch_testing::{plain, tests};
@@ -168,9 +165,9 @@ pub fn missing(variable: &str, reason: impl Display) -> ! {
 #[macro_export]
 macro_rules! tests {
     (@speed [slow]) => { "slow::" };
-    (@speed [nightly]) => { "slow::" };
+    (@speed [long]) => { "slow::" };
     (@speed []) => { "" };
-    (@when [nightly] $tests:expr) => { $tests.into_iter().map($crate::Test::nightly) };
+    (@when [long] $tests:expr) => { $tests.into_iter().map($crate::Test::long) };
     (@when $speed:tt $tests:expr) => { $tests };
     (@extend $tests:ident $kind:ident $speed:tt $($test:ident)*) => {
         $(

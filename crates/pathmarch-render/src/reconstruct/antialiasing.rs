@@ -70,7 +70,8 @@ struct Neighbourhood {
     /// Means of the opponent colours and of their squares.
     mean: Vec3,
     mean_square: Vec3,
-    /// Motion of the surface nearest to the camera: edges move with what is in front. `None` if it was or is outside.
+    /// Motion of the surface nearest to the camera: edges move with what is in front. `None` without a last
+    /// picture, and behind one of the cameras.
     motion: Option<SurfaceMotion>,
 }
 
