@@ -9,6 +9,8 @@ use crate::modifiers::Modifier;
 use crate::operators::Operator;
 use crate::parameter::Param;
 use crate::shapes::Shape;
+use std::collections::HashMap;
+use std::sync::LazyLock;
 
 /// All shapes, in the order of `shapes/mod.rs`.
 pub fn shapes() -> &'static [&'static dyn Shape] {
@@ -68,7 +70,9 @@ pub fn solids() -> impl Iterator<Item = Solid<'static>> {
 
 /// Finds the shape, operator or modifier of this name.
 pub fn solid(name: &str) -> Option<Solid<'static>> {
-    solids().find(|solid| solid.info().name == name)
+    static BY_NAME: LazyLock<HashMap<&str, Solid>> =
+        LazyLock::new(|| solids().map(|solid| (&*solid.info().name, solid)).collect());
+    BY_NAME.get(name).copied()
 }
 
 /// Finds the shape of this name.

@@ -31,6 +31,7 @@ mod tree;
 use crate::assets::Assets;
 use crate::diagnostic::SceneError;
 use crate::language;
+use crate::language::syntax::reparse::{Change, reparse};
 use crate::language::tree::Block;
 use crate::language::{Read, Values};
 use crate::scene::{Camera, Moment, Scene};
@@ -47,7 +48,7 @@ use parameters::{Parameter, Place, parameters};
 use std::sync::Arc;
 use text::layout::{Style, bytes};
 pub(crate) use text::literals::{numbers, quoted};
-use text::patch::{Hunk, difference};
+use text::patch::{Hunk, Patch, difference};
 use tree::outline;
 pub use tree::outline::{Item, ItemKind};
 pub use tree::path::Path;
@@ -85,6 +86,39 @@ impl Reading {
         let outline = file.as_ref().map_or_else(Vec::new, |file| outline::outline(file, &values.included));
         let style = Style::of(text, file.as_ref());
         Self { file, scene: scene.map(Arc::new), values, outline, style }
+    }
+    /// Reading of an edited text, of which these ranges differ, with the nodes of this reading, which then is left without any.
+    /// `None` if more than the arguments of one node has changed, or if a mistake was made.
+    fn after_edit(
+        &mut self,
+        (name, text): (&str, &str),
+        hunks: &[Hunk],
+        moment: Moment,
+        assets: &mut Assets,
+    ) -> Option<Self> {
+        let (first, last) = (hunks.first()?, hunks.last()?);
+        if self.scene.is_err() || !language::is_read(text) {
+            return None;
+        }
+        let mut file = self.file.take()?;
+        let header = reparse(&file, text, &(first.old.start..last.old.end), &(first.new.start..last.new.end));
+        let Some(mut header) = header.filter(|header| header.change != Change::Nothing) else {
+            self.file = Some(file);
+            return None;
+        };
+        header.swap(&mut file);
+        let (scene, values) = language::read_again((name, text), &file, moment, assets);
+        let Ok(scene) = scene else {
+            header.swap(&mut file);
+            self.file = Some(file);
+            return None;
+        };
+        let outline = match header.change {
+            Change::Numbers => std::mem::take(&mut self.outline),
+            _ => outline::outline(&file, &values.included),
+        };
+        let style = Style::of(text, Some(&file));
+        Some(Self { file: Some(file), scene: Ok(Arc::new(scene)), values, outline, style })
     }
     /// Number of mistakes.
     fn mistakes(&self) -> usize {
@@ -599,8 +633,16 @@ impl Document {
         self.is_saved = self.text == self.saved;
     }
     fn become_text(&mut self, text: String) {
-        let reading = Reading::new(&self.name, &text, self.moment, &mut self.assets);
+        let Patch { range, text: inserted } = difference(&self.text, &text);
+        let hunk = Hunk { new: range.start..range.start + inserted.len(), old: range };
+        let reading = self.read_edited(&text, &[hunk]);
         self.become_reading(text, reading);
+    }
+    /// Reads a text that differs from the present one in these ranges.
+    fn read_edited(&mut self, text: &str, hunks: &[Hunk]) -> Reading {
+        let source = (&*self.name, text);
+        let edited = self.reading.after_edit(source, hunks, self.moment, &mut self.assets);
+        edited.unwrap_or_else(|| Reading::new(&self.name, text, self.moment, &mut self.assets))
     }
     fn become_reading(&mut self, text: String, reading: Reading) {
         let same = match (&reading.file, &self.reading.file) {
@@ -642,7 +684,7 @@ impl Document {
         if text == self.text {
             return Ok(result);
         }
-        let reading = Reading::new(&self.name, &text, self.moment, &mut self.assets);
+        let reading = self.read_edited(&text, &hunks);
         if reading.mistakes() > self.reading.mistakes() {
             return Err(match &reading.scene {
                 Err(SceneError::Unreadable { reason, help, .. }) => {

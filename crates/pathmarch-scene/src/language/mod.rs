@@ -125,7 +125,12 @@ pub(crate) fn read<'t>(name: &str, text: &'t str, moment: Moment, assets: &mut A
     Read { file: Some(file), scene, values }
 }
 
-/// Reads the nodes of a text without mistakes of syntax at another moment.
+/// False for a text that [`read`] refuses before it parses it.
+pub(crate) fn is_read(text: &str) -> bool {
+    text.len() <= MAX_BYTES && shader_line(text).is_none()
+}
+
+/// Reads the nodes of a text without mistakes of syntax: at another moment, or after an edit.
 pub(crate) fn read_again(
     (name, text): (&str, &str),
     file: &Block,

@@ -109,6 +109,15 @@ impl Entry<'_> {
     fn content(&self) -> (Option<&str>, &Value<'_>) {
         (self.name.as_ref().map(|name| &*name.value), &self.value)
     }
+    /// True if both have the same name and value, wherever in a text they are.
+    pub(crate) fn is_same(&self, other: &Entry) -> bool {
+        self.content() == other.content()
+    }
+    /// [`Self::is_same`], where all numbers count as one.
+    pub(crate) fn is_same_but_for_number(&self, other: &Entry) -> bool {
+        let (a, b) = (self.content(), other.content());
+        a == b || a.0 == b.0 && matches!((a.1, b.1), (Value::Number(_), Value::Number(_)))
+    }
     fn into_owned(self) -> Entry<'static> {
         let value = match self.value {
             Value::Text(text) => Value::Text(owned(text)),
@@ -124,7 +133,15 @@ impl Entry<'_> {
 impl Block<'_> {
     /// Shifts all spans, for a text that follows another.
     pub(crate) fn shift(&mut self, by: u32) {
-        let moved = |span: &mut Span| *span = Span { start: span.start + by, end: span.end + by };
+        self.move_spans(&|at| at + by);
+    }
+    /// Shifts what is at byte `from` or behind it, for a text that became longer before that, or shorter.
+    pub(crate) fn shift_behind(&mut self, from: u32, by: i64) {
+        self.move_spans(&|at| if at < from { at } else { (i64::from(at) + by) as u32 });
+    }
+    /// Moves the starts and ends of all spans.
+    fn move_spans(&mut self, place: &impl Fn(u32) -> u32) {
+        let moved = |span: &mut Span| *span = Span { start: place(span.start), end: place(span.end) };
         moved(&mut self.span);
         for node in &mut self.nodes {
             moved(&mut node.name.span);
@@ -134,7 +151,7 @@ impl Block<'_> {
                 moved(&mut entry.value_span);
                 entry.name.iter_mut().for_each(|name| moved(&mut name.span));
             }
-            node.children.iter_mut().for_each(|block| block.shift(by));
+            node.children.iter_mut().for_each(|block| block.move_spans(place));
         }
     }
     /// True if both contain the same nodes, wherever in a text these are.

@@ -2,6 +2,7 @@
 //! and taking everything back gives the file byte for byte.
 
 use super::all_items;
+use super::controls::meaning;
 use pathmarch_field::registry;
 use pathmarch_scene::document::{Control, ControlKind, Document, EditError, Item, ItemKind, Path, Value};
 use pathmarch_scene::{Scene, materials};
@@ -272,6 +273,12 @@ fn check_history(document: &mut Document, text: &str) {
     assert!(document.redo().is_none());
 }
 
+/// Text of every node, and controls with their values.
+fn places(document: &Document) -> Vec<String> {
+    let place = |item: &Item| format!("{:?} {:?}", document.text_of(&item.path), document.controls(&item.path));
+    all_items(document).iter().map(place).collect()
+}
+
 /// Counts the edits that were made, by the first word of their label.
 fn run(text: &str, numbers: &[u32]) -> HashMap<String, usize> {
     let mut made = HashMap::new();
@@ -307,6 +314,8 @@ fn run(text: &str, numbers: &[u32]) -> HashMap<String, usize> {
         // What it holds is what the text says.
         let fresh = Document::new(document.name(), document.text());
         assert_eq!(fresh.outline(), document.outline());
+        assert_eq!(places(&fresh), places(&document));
+        assert_eq!(fresh.scene().ok().map(|scene| meaning(scene)), document.scene().ok().map(|scene| meaning(scene)));
     }
     // Another reader of KDL 2 agrees that the text is in form.
     if was_scene && kdl::KdlDocument::parse_v2(text).is_ok() {

@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::language::diagnostics::report::{Draft, draft, shown};
 use crate::language::diagnostics::spelling::suggestion;
 use crate::language::tree::{Entry, Node, Span, Value};
-use std::fmt::Display;
+use std::fmt::{self, Display};
 
 fn described(value: &Value) -> &'static str {
     match value {
@@ -16,18 +16,18 @@ fn described(value: &Value) -> &'static str {
 }
 
 /// The entry is not of the expected type.
-pub(crate) fn wrong_type(entry: &Entry, what: &str, expected: &str, context: &mut Context) {
+pub(crate) fn wrong_type(entry: &Entry, what: impl Display, expected: &str, context: &mut Context) {
     type_mistake(entry, what, expected).into_iter().for_each(|mistake| context.report.add(mistake));
 }
 
 /// Mistake of an entry of another type; `None` if it could not be read.
-fn type_mistake(entry: &Entry, what: &str, expected: &str) -> Option<Draft> {
+fn type_mistake(entry: &Entry, what: impl Display, expected: &str) -> Option<Draft> {
     let mistake = draft("pathmarch::wrong_type", entry.value_span, format!("{what} must be {expected}."));
     (entry.value != Value::Bad).then(|| mistake.label(format!("this is {}", described(&entry.value))))
 }
 
 /// The string of an entry.
-pub(crate) fn string<'n>(entry: &'n Entry, what: &str, context: &mut Context) -> Option<&'n str> {
+pub(crate) fn string<'n>(entry: &'n Entry, what: impl Display, context: &mut Context) -> Option<&'n str> {
     match &entry.value {
         Value::Text(text) => Some(text),
         _ => {
@@ -38,7 +38,7 @@ pub(crate) fn string<'n>(entry: &'n Entry, what: &str, context: &mut Context) ->
 }
 
 /// The truth value of an entry.
-pub(crate) fn flag(entry: &Entry, what: &str, context: &mut Context) -> Option<bool> {
+pub(crate) fn flag(entry: &Entry, what: impl Display, context: &mut Context) -> Option<bool> {
     match entry.value {
         Value::Bool(value) => Some(value),
         _ => {
@@ -121,23 +121,27 @@ pub(crate) fn missing_arguments(node: &Node, usage: impl Display, context: &mut 
 }
 
 /// Exactly `K` arguments and nothing else, each as `read` reads it; it is given the name of what it reads.
-pub(super) fn exactly<const K: usize, T>(
+pub(super) fn exactly<const K: usize, T: Copy + Default>(
     node: &Node,
     usage: impl Display,
     context: &mut Context,
-    read: impl Fn(&Entry, &str, &mut Context) -> Option<T>,
+    read: impl Fn(&Entry, fmt::Arguments, &mut Context) -> Option<T>,
 ) -> Option<[T; K]> {
-    let what = format!("`{}`", node.name.value);
     properties(node, &[], context);
     no_children(node, context);
     let entries = arguments(node, K, &usage, context);
-    let values: Vec<Option<T>> = entries.iter().map(|entry| read(entry, &what, context)).collect();
-    if values.len() < K {
+    let mut values = [T::default(); K];
+    let mut are_read = true;
+    for (value, entry) in values.iter_mut().zip(&entries) {
+        let found = read(entry, format_args!("`{}`", node.name.value), context);
+        are_read &= found.is_some();
+        *value = found.unwrap_or_default();
+    }
+    if entries.len() < K {
         missing_arguments(node, usage, context);
         return None;
     }
-    let values: Vec<T> = values.into_iter().collect::<Option<_>>()?;
-    values.try_into().ok()
+    are_read.then_some(values)
 }
 
 /// The name that is a node's only argument, not empty.
@@ -163,13 +167,13 @@ pub(super) fn choice(node: &Node, noun: &str, names: &[&'static str], context: &
         missing_arguments(node, &usage, context);
         return None;
     };
-    named(entry, &format!("`{}`", node.name.value), noun, names, context)
+    named(entry, format_args!("`{}`", node.name.value), noun, names, context)
 }
 
 /// Reads one of the names of a choice from an entry; `noun` as in "There is no {noun} `x`".
 pub(super) fn named(
     entry: &Entry,
-    what: &str,
+    what: impl Display,
     noun: &str,
     names: &[&'static str],
     context: &mut Context,

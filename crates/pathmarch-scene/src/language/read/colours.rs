@@ -7,30 +7,31 @@ use crate::language::diagnostics::report::{draft, shown};
 use crate::language::keywords::COLOUR_POSITION;
 use crate::language::tree::{Entry, Node, Value};
 use crate::settings::Range;
+use std::fmt::Display;
 
 /// A colour: three numbers, one number, or "#rrggbb" and nothing else.
 pub(crate) fn colour(node: &Node, range: Range, context: &mut Context) -> Option<[f32; 3]> {
-    let what = format!("`{}`", node.name.value);
-    let usage = format!("`{} r g b`, one number, or \"#rrggbb\"", node.name.value);
+    let what = format_args!("`{}`", node.name.value);
+    let usage = format_args!("`{} r g b`, one number, or \"#rrggbb\"", node.name.value);
     properties(node, &[], context);
-    channels(node, range, &what, &usage, context)
+    channels(node, range, what, usage, context)
 }
 
 /// The colour of a ramp, with its position if it has `at=`; `None` after a mistake.
 pub(super) fn positioned_colour(node: &Node, context: &mut Context) -> Option<([f32; 3], Option<f32>)> {
     let unit = Range::from_to(0.0, 1.0);
-    let usage = format!("`{} r g b at=0.5`", node.name.value);
+    let usage = format_args!("`{} r g b at=0.5`", node.name.value);
     let given = properties(node, &[COLOUR_POSITION], context);
     let position = match given.first() {
-        Some((_, entry)) => in_range(entry, &format!("`{COLOUR_POSITION}`"), unit, context).map(Some),
+        Some((_, entry)) => in_range(entry, format_args!("`{COLOUR_POSITION}`"), unit, context).map(Some),
         None => Some(None),
     };
-    let colour = channels(node, unit, &format!("`{}`", node.name.value), &usage, context);
+    let colour = channels(node, unit, format_args!("`{}`", node.name.value), usage, context);
     Some((colour?, position?))
 }
 
 /// The colour of a node's arguments, of which there is nothing in braces.
-fn channels(node: &Node, range: Range, what: &str, usage: &str, context: &mut Context) -> Option<[f32; 3]> {
+fn channels(node: &Node, range: Range, what: impl Display + Copy, usage: impl Display + Copy, context: &mut Context) -> Option<[f32; 3]> {
     no_children(node, context);
     let entries = arguments(node, 3, usage, context);
     let value = value(node, &entries, range, what, usage, context);
@@ -52,8 +53,8 @@ fn value(
     node: &Node,
     entries: &[&Entry],
     range: Range,
-    what: &str,
-    usage: &str,
+    what: impl Display + Copy,
+    usage: impl Display + Copy,
     context: &mut Context,
 ) -> Option<[f32; 3]> {
     if let [entry] = entries[..]

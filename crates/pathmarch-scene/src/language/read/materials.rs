@@ -219,7 +219,7 @@ fn orbit_trap(node: &Node, context: &mut Context) -> Option<OrbitTrap> {
     let mut numbers = TRAP_NUMBERS.map(|(_, default)| Some(default));
     for (word, entry) in properties(node, &TRAP_NUMBERS.map(|(word, _)| word), context) {
         if let Some(index) = TRAP_NUMBERS.iter().position(|(name, _)| *name == word) {
-            numbers[index] = in_range(entry, &format!("`{word}`"), Range::ANY, context);
+            numbers[index] = in_range(entry, format_args!("`{word}`"), Range::ANY, context);
         }
     }
     for child in node.child_nodes().iter().filter(|child| child.name.value != COLOUR) {
@@ -255,7 +255,7 @@ fn value(node: &Node, param: &MaterialParam, context: &mut Context) -> Option<[f
     match param.kind {
         ParamKind::Colour => colour(node, range, context),
         ParamKind::Number => {
-            let usage = format!("`{} {}`", node.name.value, param.spec.default);
+            let usage = format_args!("`{} {}`", node.name.value, param.spec.default);
             let is_bubble =
                 |entry: &Entry| matches!(entry.value, Value::Number(number) if number > 0.0 && number < 1.0);
             let value: Option<[f32; 1]> = match param.spec.is_whole() {
@@ -263,21 +263,21 @@ fn value(node: &Node, param: &MaterialParam, context: &mut Context) -> Option<[f
                 _ if param.name() == IOR && node.entries.iter().any(is_bubble) => {
                     let words =
                         || format!("{}; a bubble has 1, and a `priority` above its surroundings", range.in_words());
-                    exactly(node, &usage, context, |entry, what, context| {
+                    exactly(node, usage, context, |entry, what, context| {
                         accepted(entry, what, |number| range.accepts(number), words, context)
                     })
                 }
-                true => exactly(node, &usage, context, |entry, what, context| {
+                true => exactly(node, usage, context, |entry, what, context| {
                     let accepts = |number| param.spec.accepts(number);
                     accepted(entry, what, accepts, || param.spec.range_in_words(), context)
                 }),
-                false => numbers(node, &usage, range, context),
+                false => numbers(node, usage, range, context),
             };
             value.map(|[value]| [value, 0.0, 0.0])
         }
         ParamKind::Flag => {
-            let usage = format!("`{} #true`", node.name.value);
-            let value: Option<[bool; 1]> = exactly(node, &usage, context, flag);
+            let usage = format_args!("`{} #true`", node.name.value);
+            let value: Option<[bool; 1]> = exactly(node, usage, context, |entry, what, context| flag(entry, what, context));
             value.map(|[value]| [f32::from(u8::from(value)), 0.0, 0.0])
         }
     }

@@ -11,7 +11,7 @@ use crate::settings::Range;
 use std::fmt::Display;
 
 /// Number of an entry, given as such or as a formula: not rounded, perhaps not finite.
-fn evaluated(entry: &Entry, what: &str, context: &mut Context) -> Option<Evaluated> {
+fn evaluated(entry: &Entry, what: impl Display, context: &mut Context) -> Option<Evaluated> {
     match &entry.value {
         Value::Number(value) => Some(Evaluated { value: *value, moving: false }),
         Value::Text(text) => match context.scope.evaluate(text, entry.value_span) {
@@ -30,7 +30,7 @@ fn evaluated(entry: &Entry, what: &str, context: &mut Context) -> Option<Evaluat
 }
 
 /// Mistake of a string that has no value as a formula, unless it has been reported.
-fn no_formula(entry: &Entry, text: &str, what: &str, trouble: Trouble, context: &Context) -> Option<Draft> {
+fn no_formula(entry: &Entry, text: &str, what: impl Display, trouble: Trouble, context: &Context) -> Option<Draft> {
     // If the string is in the file unescaped, the place within it is known.
     let quotes = (entry.value_span.end - entry.value_span.start) as usize - text.len();
     let inside = |start: usize, length: usize| match quotes {
@@ -98,8 +98,8 @@ fn no_formula(entry: &Entry, text: &str, what: &str, trouble: Trouble, context: 
 }
 
 /// The finite number of an entry, and whether it depends on the moment; `what` as in "`radius`".
-pub(crate) fn value(entry: &Entry, what: &str, context: &mut Context) -> Option<Evaluated> {
-    let found = evaluated(entry, what, context)?;
+pub(crate) fn value(entry: &Entry, what: impl Display, context: &mut Context) -> Option<Evaluated> {
+    let found = evaluated(entry, &what, context)?;
     if (found.value as f32).is_finite() {
         return Some(found);
     }
@@ -114,12 +114,12 @@ pub(crate) fn value(entry: &Entry, what: &str, context: &mut Context) -> Option<
 }
 
 /// The finite number of an entry; `what` as in "`radius`".
-pub(crate) fn finite(entry: &Entry, what: &str, context: &mut Context) -> Option<f32> {
+pub(crate) fn finite(entry: &Entry, what: impl Display, context: &mut Context) -> Option<f32> {
     value(entry, what, context).map(|found| found.value as f32)
 }
 
 /// Reports a value out of range.
-pub(crate) fn out_of_range(entry: &Entry, value: Evaluated, what: &str, words: &str, context: &mut Context) {
+pub(crate) fn out_of_range(entry: &Entry, value: Evaluated, what: impl Display, words: &str, context: &mut Context) {
     let message = format!("{what} must be {words}.");
     let label = match &entry.value {
         Value::Text(_) if value.moving => format!("is {} {}", value.value as f32, context.scope.moment_in_words()),
@@ -132,12 +132,12 @@ pub(crate) fn out_of_range(entry: &Entry, value: Evaluated, what: &str, words: &
 /// The number of an entry, if it is accepted; `words` as in "must be above 0".
 pub(crate) fn accepted(
     entry: &Entry,
-    what: &str,
+    what: impl Display,
     accepts: impl Fn(f32) -> bool,
     words: impl Fn() -> String,
     context: &mut Context,
 ) -> Option<f32> {
-    let found = value(entry, what, context)?;
+    let found = value(entry, &what, context)?;
     let number = found.value as f32;
     if !accepts(number) {
         out_of_range(entry, found, what, &words(), context);
@@ -147,13 +147,13 @@ pub(crate) fn accepted(
 }
 
 /// The number of an entry, if within the range.
-pub(crate) fn in_range(entry: &Entry, what: &str, range: Range, context: &mut Context) -> Option<f32> {
+pub(crate) fn in_range(entry: &Entry, what: impl Display, range: Range, context: &mut Context) -> Option<f32> {
     accepted(entry, what, |number| range.accepts(number), || range.in_words(), context)
 }
 
 /// The whole number of an entry.
-pub(crate) fn whole(entry: &Entry, what: &str, (min, max): (u32, u32), context: &mut Context) -> Option<u32> {
-    let found = value(entry, what, context)?;
+pub(crate) fn whole(entry: &Entry, what: impl Display, (min, max): (u32, u32), context: &mut Context) -> Option<u32> {
+    let found = value(entry, &what, context)?;
     // Formulas compute whole numbers up to rounding.
     let number = if matches!(entry.value, Value::Number(_)) { found.value } else { f64::from(found.value as f32) };
     if number.fract() != 0.0 || number < f64::from(min) || number > f64::from(max) {

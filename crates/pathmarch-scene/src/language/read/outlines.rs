@@ -119,7 +119,7 @@ pub(super) fn path(node: &Node, width: f32, context: &mut Context) -> Vec<f32> {
     else {
         return Vec::new();
     };
-    let Some(words) = string(given, &format!("`{name}`"), context) else { return Vec::new() };
+    let Some(words) = string(given, format_args!("`{name}`"), context) else { return Vec::new() };
     match svg_path::curves(words, width <= 0.0) {
         Ok(curves) if curves.iter().flat_map(|curve| curve.0).flatten().all(|v| PLACES.accepts(v)) => {
             arcs(&curves, width, Fill::NonZero, node, context)
@@ -159,7 +159,7 @@ pub(super) fn text(node: &Node, font: Option<&Entry>, files: &mut Files, context
     let name = &node.name.value;
     let given =
         arguments(node, 1, format_args!("`{name} \"Hello\" size=1 font=\"path.ttf\"`"), context).first().copied();
-    let words = given.map_or(Some(DEFAULT_TEXT), |entry| string(entry, &format!("`{name}`"), context));
+    let words = given.map_or(Some(DEFAULT_TEXT), |entry| string(entry, format_args!("`{name}`"), context));
     let loaded = match font {
         None => None,
         Some(entry) => match font_file(entry, files, context) {

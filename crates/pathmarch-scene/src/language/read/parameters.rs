@@ -52,9 +52,9 @@ pub(super) fn numbers(solid: Solid, node: &Node, named: &[(&str, &Entry)], conte
 }
 
 pub(super) fn number(param: &Param, entry: &Entry, context: &mut Context) -> Option<f32> {
-    let what = format!("`{}`", param.name);
+    let what = format_args!("`{}`", param.name);
     if param.unit == Unit::Axis {
-        let word = string(entry, &what, context)?;
+        let word = string(entry, what, context)?;
         let axis = AXES.iter().position(|axis| *axis == word);
         if axis.is_none() {
             let mistake =
@@ -63,7 +63,7 @@ pub(super) fn number(param: &Param, entry: &Entry, context: &mut Context) -> Opt
         }
         return axis.map(|axis| axis as f32);
     }
-    accepted(entry, &what, |value| param.accepts(value), || param.range_in_words(), context)
+    accepted(entry, what, |value| param.accepts(value), || param.range_in_words(), context)
 }
 
 /// As in "`box x y z`".

@@ -60,7 +60,7 @@ pub(crate) fn declared_name<'n>(node: &'n Node) -> Option<&'n str> {
 pub(crate) fn given<'n>(named: &[(&'n str, &'n Entry<'n>)], context: &mut Context) -> Vec<(&'n str, Given<'n>)> {
     let mut all = Vec::new();
     for &(name, entry) in named {
-        all.extend(value(entry, &format!("`{name}`"), context).map(|value| (name, Given { value, entry })));
+        all.extend(value(entry, format_args!("`{name}`"), context).map(|value| (name, Given { value, entry })));
     }
     all
 }
@@ -126,7 +126,7 @@ fn one(node: &Node, given: &[(&str, Given)], taken: &[&str], context: &mut Conte
         return Some(Declared { name: name.to_owned(), span, value, range, doc });
     };
     if !range.accepts(value.value as f32) {
-        out_of_range(entry, value, &format!("`{name}`"), &range.in_words(), context);
+        out_of_range(entry, value, format_args!("`{name}`"), &range.in_words(), context);
     }
     Some(Declared { name: name.to_owned(), span, value, range, doc })
 }

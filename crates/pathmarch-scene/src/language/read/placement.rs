@@ -10,24 +10,24 @@ use pathmarch_field::Placement;
 
 /// Gathers `at`, `rotate`, `scale` and `normal`.
 #[derive(Default)]
-pub(super) struct Placements {
+pub(super) struct Placements<'n> {
     pub(super) value: Placement,
-    seen: Vec<(String, Span)>,
+    seen: Vec<(&'n str, Span)>,
 }
 
-impl Placements {
+impl<'n> Placements<'n> {
     /// Takes the node if it is one of them.
-    pub(super) fn take(&mut self, node: &Node, facing: bool, context: &mut Context) -> bool {
+    pub(super) fn take(&mut self, node: &'n Node, facing: bool, context: &mut Context) -> bool {
         let word = &*node.name.value;
         let placement = PLACEMENT.contains(&word) || facing && word == NORMAL;
         if !placement {
             return false;
         }
-        if let Some((_, first)) = self.seen.iter().find(|(other, _)| other == word) {
+        if let Some((_, first)) = self.seen.iter().find(|(other, _)| *other == word) {
             twice(&format!("`{word}`"), node.name.span, *first, context);
             return true;
         }
-        self.seen.push((word.to_owned(), node.name.span));
+        self.seen.push((word, node.name.span));
         match word {
             "at" => self.value.at = triple(node, &settings::PLACEMENT[0], context),
             "rotate" => self.value.rotate = triple(node, &settings::PLACEMENT[1], context),

@@ -206,26 +206,26 @@ impl<'n> Properties<'n> {
     /// A number; `None` if it is absent and has no default.
     pub(super) fn number(&self, name: &str, context: &mut Context) -> Option<f32> {
         let kind = find(self.table, name).kind;
-        let given = self.get(name).and_then(|entry| in_range(entry, &format!("`{name}`"), kind.range(), context));
+        let given = self.get(name).and_then(|entry| in_range(entry, format_args!("`{name}`"), kind.range(), context));
         given.or(kind.default_number())
     }
     /// A whole number; `None` after a mistake.
     pub(super) fn whole(&self, name: &str, context: &mut Context) -> Option<u32> {
         let SettingKind::Whole { range, default } = find(self.table, name).kind else { return None };
-        self.get(name).map_or(Some(default), |entry| whole(entry, &format!("`{name}`"), range, context))
+        self.get(name).map_or(Some(default), |entry| whole(entry, format_args!("`{name}`"), range, context))
     }
     /// A name, the first when absent; `None` after a mistake.
     pub(super) fn choice(&self, name: &str, context: &mut Context) -> Option<&'static str> {
         let SettingKind::Choice { noun, names } = find(self.table, name).kind else { return None };
         let names = names();
         match self.get(name) {
-            Some(entry) => named(entry, &format!("`{name}`"), noun, &names, context),
+            Some(entry) => named(entry, format_args!("`{name}`"), noun, &names, context),
             None => names.first().copied(),
         }
     }
     /// A truth value.
     pub(super) fn flag(&self, name: &str, context: &mut Context) -> bool {
-        let given = self.get(name).and_then(|entry| flag(entry, &format!("`{name}`"), context));
+        let given = self.get(name).and_then(|entry| flag(entry, format_args!("`{name}`"), context));
         given.unwrap_or(matches!(find(self.table, name).kind, SettingKind::Flag { default: true }))
     }
 }

@@ -128,7 +128,7 @@ fn mapping(
         }),
         Use::Number(range) => {
             let mut end = |word: &str, default: f32| match entry(word) {
-                Some(entry) => in_range(entry, &format!("`{word}`"), range, context),
+                Some(entry) => in_range(entry, format_args!("`{word}`"), range, context),
                 None => Some(default),
             };
             let (from, to) = (end("from", range.min), end("to", range.max));

@@ -7,6 +7,7 @@
 //! every nested one: 32 s for 160 bytes); nesting, nodes and mistakes are bounded, so no text overflows the stack.
 //! Cost: linear; a scene of 10,000 objects (0.7 MB) is read, checked and built in about 45 ms.
 
+pub(crate) mod reparse;
 pub(crate) mod strings;
 #[cfg(test)]
 mod tests;
