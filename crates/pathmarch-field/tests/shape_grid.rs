@@ -247,6 +247,29 @@ fn after_an_edit_a_grid_shares_what_is_unchanged_and_is_that_of_the_new_shapes()
 }
 
 #[test]
+fn after_a_row_of_edits_a_grid_is_that_of_the_new_shapes() {
+    for blend in [None, NARROW, Some(Blend::from(0.5))] {
+        let mut random = Random::new(21);
+        let mut children = small_shapes(&mut random, 500);
+        let points: Vec<_> = (0..1000).map(|_| random.point(Aabb::centred(8.0, 8.0, 8.0))).collect();
+        let mut field = Field::new(&[union(children.clone(), blend)]);
+        distances(&field, &points);
+        for edit in 0..12 {
+            // A nudge, or a jump to another place.
+            let moved = 41 * edit % children.len();
+            let to = random.point(Aabb::centred(7.0, 7.0, 7.0));
+            if let Some(at) = &mut children[moved].placement.at {
+                *at = if edit % 3 == 0 { [to.x, to.y, to.z] } else { at.map(|coordinate| 0.97 * coordinate) };
+            }
+            let mut after = Field::new(&[union(children.clone(), blend)]);
+            after.follow(&field);
+            assert_eq!(distances(&after, &points), distances(&Field::new(&[union(children.clone(), blend)]), &points));
+            field = after;
+        }
+    }
+}
+
+#[test]
 fn coarse_cells_are_kept_apart_from_fine_ones() {
     let mut random = Random::new(5);
     let mut children = small_shapes(&mut random, 1000);

@@ -24,8 +24,9 @@
 //! motion never evaluates them, so that its values do not depend on what was in motion before.
 //!
 //! **Edits.** Roots have one of eight sizes for each power of two, and their places are multiples of it, so that a small change of
-//! the bounds seldom moves them. After an edit, blocks of roots keep their roots' lists if their own lists are the same and no
-//! shape in them has changed, and roots keep their descendants likewise.
+//! the bounds seldom moves them. After an edit, blocks of roots keep their lists if no shape that has changed is near
+//! them or was. They keep their roots' lists if their own lists are the same and no shape in them has changed, and roots keep
+//! their descendants likewise.
 //!
 //! Cost: a few evaluations of the listed shapes for each cell, eight cells at a time.
 
@@ -141,8 +142,8 @@ pub(crate) struct SparseGrid {
     roots: Vec<Root>,
     /// Their cells, once they are built.
     cells: Vec<BuiltCells>,
-    /// Shapes that affect each block of roots, x fastest.
-    blocks: Vec<Vec<u32>>,
+    /// Blocks of roots, x fastest.
+    blocks: Vec<Arc<Block>>,
     /// Length of all their lists together.
     entries: usize,
 }
@@ -156,6 +157,31 @@ struct Root {
     block_length: usize,
     /// Distance of the union at its centre, metres.
     distance: f32,
+}
+
+/// Block of roots, whose lists are pruned together.
+#[derive(Debug, Default)]
+struct Block {
+    /// Shapes that affect it.
+    list: Vec<u32>,
+    /// Distance at its centre beyond which a shape affects neither it nor its list, metres.
+    reach: f32,
+    /// Shapes that are not beyond that distance.
+    near: Vec<u32>,
+}
+
+impl Block {
+    /// True if its list is the same after shapes have changed, whose distances at its centre are given.
+    fn keeps_list(&self, changed: impl IntoIterator<Item = (u32, f32)>) -> bool {
+        let is_beyond =
+            |(number, distance)| is_beyond(distance, self.reach) && self.near.binary_search(&number).is_err();
+        changed.into_iter().all(is_beyond)
+    }
+}
+
+/// True if a distance is beyond a reach; what is not a number is not.
+fn is_beyond(distance: f32, reach: f32) -> bool {
+    distance > reach
 }
 
 /// Cells of a root, once they are built.
@@ -253,37 +279,7 @@ impl SparseGrid {
         let previous =
             shape_grid.previous.as_ref().and_then(|previous| Some((previous.grid.get()?, &*previous.changed)));
         let previous = previous.filter(|(before, _)| grid.key() == before.key());
-        let [nx, ny, nz] = counts.map(|count| count.div_ceil(1 << BLOCK));
-        let places = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
-        let places: Vec<[u32; 3]> = places.collect();
-        let blocks_of = |(chunk, places): (usize, &[[u32; 3]])| {
-            let mut pruner = Pruner::new(field, shape_grid, &grid, (0..count as u32).collect());
-            let pruned = pruner.prune_each(places, BITS + BLOCK, 0..count);
-            let mut blocks = Vec::new();
-            for (k, (&place, Pruned { list, .. })) in places.iter().zip(pruned).enumerate() {
-                let shapes = pruner.stack[list.clone()].to_vec();
-                let mut roots = Vec::new();
-                match previous {
-                    Some((before, changed))
-                        if before.blocks[CHUNK * chunk + k] == shapes && is_unchanged(&shapes, changed) =>
-                    {
-                        let indices = grid.roots_in(place);
-                        roots.extend(indices.map(|index| (index, before.roots[index].clone())));
-                    }
-                    _ => pruner.prune_roots(place, BLOCK, list, shapes.len(), &mut roots),
-                }
-                blocks.push((shapes, roots));
-            }
-            blocks
-        };
-        let blocks: Vec<_> = places.par_chunks(CHUNK).enumerate().flat_map_iter(blocks_of).collect();
-        let mut roots = Vec::new();
-        for (shapes, of_block) in blocks {
-            grid.blocks.push(shapes);
-            roots.extend(of_block);
-        }
-        roots.sort_unstable_by_key(|(index, _)| *index);
-        grid.roots = roots.into_iter().map(|(_, root)| root).collect();
+        grid.make_roots(field, shape_grid, previous);
         grid.cells = grid.roots.iter().map(|_| BuiltCells::default()).collect();
         grid.entries = grid.roots.iter().map(|root| root.list.len()).sum::<usize>().max(1);
         if let Some((before, changed)) = previous {
@@ -292,20 +288,83 @@ impl SparseGrid {
         grid
     }
 
+    /// Makes the blocks and the roots: those of an earlier grid of the same key where they
+    /// are the same. With it comes true for each shape that differs.
+    fn make_roots(&mut self, field: &Field, shape_grid: &ShapeGrid, previous: Option<(&Self, &[bool])>) {
+        let counts = self.counts;
+        let [nx, ny, nz] = counts.map(|count| count.div_ceil(1 << BLOCK));
+        let places = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
+        let places: Vec<[u32; 3]> = places.collect();
+        let is_stale = match previous {
+            Some((before, changed)) => {
+                (self.blocks, self.roots) = (before.blocks.clone(), before.roots.clone());
+                self.are_stale(field, shape_grid, &places, changed)
+            }
+            None => {
+                let no_root = Root { list: Arc::new([]), block_length: 0, distance: 0.0 };
+                self.blocks = vec![Arc::default(); places.len()];
+                self.roots = vec![no_root; counts.iter().product::<u32>() as usize];
+                vec![true; places.len()]
+            }
+        };
+        let stale: Vec<usize> = (0..places.len()).filter(|&index| is_stale[index]).collect();
+        let of_chunk = |indices: &[usize]| {
+            let chunk: Vec<[u32; 3]> = indices.iter().map(|&index| places[index]).collect();
+            let all = 0..shape_grid.members.len();
+            let mut pruner = Pruner::new(field, shape_grid, self, (0..all.len() as u32).collect());
+            let lists = pruner.prune_each(&chunk, BITS + BLOCK, all).map(|pruned| pruned.list);
+            let reaches = pruner.reach(pruner.size(BITS + BLOCK)).to_array();
+            let block = |(lane, (list, reach)): (usize, (&Range<usize>, f32))| {
+                let is_near = |distances: &f32x8| !is_beyond(distances.as_array()[lane], reach);
+                let near = (0..).zip(&pruner.distances).filter(|(_, distances)| is_near(distances));
+                let near = near.map(|(number, _)| number).collect();
+                Block { list: pruner.stack[list.clone()].to_vec(), reach, near }
+            };
+            let blocks: Vec<Block> = lists.iter().zip(reaches).take(indices.len()).enumerate().map(block).collect();
+            let with_roots = |((&index, block), list): ((&usize, Block), Range<usize>)| {
+                let mut roots = Vec::new();
+                let is_same = previous.is_some_and(|(before, changed)| {
+                    before.blocks[index].list == block.list && is_unchanged(&block.list, changed)
+                });
+                if !is_same {
+                    pruner.prune_roots(places[index], BLOCK, list, block.list.len(), &mut roots);
+                }
+                (index, block, roots)
+            };
+            indices.iter().zip(blocks).zip(lists).map(with_roots).collect::<Vec<_>>()
+        };
+        let made: Vec<_> = stale.par_chunks(CHUNK).flat_map_iter(of_chunk).collect();
+        for (index, block, roots) in made {
+            self.blocks[index] = Arc::new(block);
+            for (index, root) in roots {
+                self.roots[index] = root;
+            }
+        }
+    }
+
+    /// True for each block whose list may be another than that of before, after shapes have changed.
+    fn are_stale(&self, field: &Field, shape_grid: &ShapeGrid, places: &[[u32; 3]], changed: &[bool]) -> Vec<bool> {
+        let numbers: Vec<u32> = (0..changed.len() as u32).filter(|&number| changed[number as usize]).collect();
+        // If many have changed, few lists are the same.
+        if 4 * numbers.len() > changed.len() {
+            return vec![true; places.len()];
+        }
+        let mut pruner = Pruner::new(field, shape_grid, self, numbers.clone());
+        let mut are_stale = Vec::with_capacity(places.len());
+        for (blocks, places) in self.blocks.chunks(CHUNK).zip(places.chunks(CHUNK)) {
+            let centres = pruner.centres(places, BITS + BLOCK);
+            pruner.find_distances(&centres, 0..numbers.len());
+            are_stale.extend(blocks.iter().enumerate().map(|(lane, block)| {
+                let at_centre = pruner.distances.iter().map(|distances| distances.as_array()[lane]);
+                !block.keeps_list(numbers.iter().copied().zip(at_centre))
+            }));
+        }
+        are_stale
+    }
+
     /// Numbers that two grids have in common if what one has built can serve the other.
     fn key(&self) -> impl PartialEq {
         (self.min, self.edge, self.counts, self.lipschitz, self.negligible, self.cutoff, self.short)
-    }
-
-    /// Indices of the roots in a block.
-    fn roots_in(&self, place: [u32; 3]) -> impl Iterator<Item = usize> {
-        let counts = self.counts;
-        let [x, y, z]: [Range<u32>; 3] =
-            std::array::from_fn(|k| place[k] << BLOCK..((place[k] + 1) << BLOCK).min(counts[k]));
-        z.flat_map(move |z| {
-            let x = x.clone();
-            y.clone().flat_map(move |y| x.clone().map(move |x| ((z * counts[1] + y) * counts[0] + x) as usize))
-        })
     }
 
     /// Takes the descendants of those roots from an earlier grid of the same key that building them would repeat.
@@ -349,7 +408,8 @@ impl SparseGrid {
     pub(crate) fn bytes(&self) -> usize {
         let of_cells =
             |root: &Arc<RootCells>| size_of_val(&*root.cells) + size_of_val(&*root.far) + size_of_val(&*root.lists);
-        let blocks: usize = self.blocks.iter().map(|list| size_of_val(&**list)).sum();
+        let blocks =
+            self.blocks.iter().map(|block| size_of_val(&*block.list) + size_of_val(&*block.near)).sum::<usize>();
         let roots: usize = self.roots.iter().map(|root| size_of::<Root>() + size_of_val(&*root.list)).sum();
         let built = self.cells.iter().flat_map(|cells| [&cells.fine, &cells.coarse]).filter_map(OnceLock::get);
         blocks + roots + built.map(of_cells).sum::<usize>()
@@ -525,6 +585,11 @@ impl<'a> Pruner<'a> {
         std::array::from_fn(|k| centre(self.min[k], self.edge, place[k], shift))
     }
 
+    /// Centres of at most eight cells; the others are those of the first.
+    fn centres(&self, places: &[[u32; 3]], shift: u32) -> [[f32; 3]; 8] {
+        std::array::from_fn(|lane| self.centre(*places.get(lane).unwrap_or(&places[0]), shift))
+    }
+
     /// Edge of cells of this size, metres.
     fn size(&self, shift: u32) -> f32 {
         self.edge * (1 << shift) as f32
@@ -567,11 +632,7 @@ impl<'a> Pruner<'a> {
 
     /// Prunes a list for each of at most eight cells. The lists are appended to the stack.
     fn prune_each(&mut self, places: &[[u32; 3]], shift: u32, list: Range<usize>) -> [Pruned; 8] {
-        let mut centres = [self.centre(places[0], shift); 8];
-        for (centre, &place) in centres.iter_mut().zip(places) {
-            *centre = self.centre(place, shift);
-        }
-        let distance = self.prune(&centres, self.size(shift), list.clone()).to_array();
+        let distance = self.prune(&self.centres(places, shift), self.size(shift), list.clone()).to_array();
         let mut pruned: [Pruned; 8] = Default::default();
         for (lane, pruned) in pruned.iter_mut().enumerate().take(places.len()) {
             *pruned = Pruned { list: self.push_kept(list.clone(), 1 << lane), distance: distance[lane] };
@@ -633,7 +694,17 @@ impl<'a> Pruner<'a> {
     /// Finds the cubes of this edge in which each shape of a list matters, in `keeps`. Returns the distances of the union at
     /// their centres.
     fn prune(&mut self, centres: &[[f32; 3]; 8], edge: f32, list: Range<usize>) -> f32x8 {
-        let lane = |axis: usize| f32x8::from(std::array::from_fn(|k| centres[k][axis]));
+        self.find_distances(centres, list);
+        self.keeps.clear();
+        match self.shape_grid.smooth {
+            None => self.prune_sharp(edge),
+            Some(blend) => self.prune_smooth(edge, blend),
+        }
+    }
+
+    /// Finds the distances of the shapes of a list at eight points.
+    fn find_distances(&mut self, points: &[[f32; 3]; 8], list: Range<usize>) {
+        let lane = |axis: usize| f32x8::from(std::array::from_fn(|k| points[k][axis]));
         let p = Vec3::new(lane(0), lane(1), lane(2));
         self.distances.clear();
         for &number in &self.stack[list] {
@@ -645,33 +716,37 @@ impl<'a> Pruner<'a> {
             };
             self.distances.push(if self.shape_grid.separate { distance.abs() } else { distance });
         }
-        self.keeps.clear();
-        let change = f32x8::splat(2.0 * self.change(edge));
-        match self.shape_grid.smooth {
-            None => self.prune_sharp(change),
-            Some(blend) => self.prune_smooth(change, blend),
-        }
     }
 
-    /// Prunes a sharp union, whose distances are uncertain by `change`.
-    fn prune_sharp(&mut self, change: f32x8) -> f32x8 {
-        let least = least_of(&self.distances);
-        let keeps = |distance: &f32x8| !distance.simd_gt(least + change).to_bitmask() as u8;
+    /// Distances at the last points beyond which a shape matters in no cube of this size around them, metres.
+    fn reach(&self, edge: f32) -> f32x8 {
+        least_of(&self.distances) + f32x8::splat(self.cutoff) + self.uncertainty(edge)
+    }
+
+    /// Uncertainty of the difference of two distances within a cube of this edge, metres.
+    fn uncertainty(&self, edge: f32) -> f32x8 {
+        f32x8::splat(2.0 * self.change(edge))
+    }
+
+    /// Prunes a sharp union in cubes of this edge.
+    fn prune_sharp(&mut self, edge: f32) -> f32x8 {
+        let reach = self.reach(edge);
+        let keeps = |distance: &f32x8| !distance.simd_gt(reach).to_bitmask() as u8;
         self.keeps.extend(self.distances.iter().map(keeps));
-        least
+        least_of(&self.distances)
     }
 
-    /// Prunes a smooth union, whose distances are uncertain by `change`.
-    fn prune_smooth(&mut self, change: f32x8, blend: Blend) -> f32x8 {
+    /// Prunes a smooth union in cubes of this edge.
+    fn prune_smooth(&mut self, edge: f32, blend: Blend) -> f32x8 {
         let width = f32x8::splat(blend.amount.max(1e-6));
+        let (change, farthest) = (self.uncertainty(edge), self.reach(edge));
         let operator = union();
-        let farthest = least_of(&self.distances) + f32x8::splat(self.cutoff) + change;
         let mut result = f32x8::splat(f32::INFINITY);
         // First shape of each lane that all earlier ones do not affect.
         let mut first = f32x8::ZERO;
         self.behind.clear();
         for (place, &distance) in self.distances.iter().enumerate() {
-            let nothing = distance.simd_ge(result + width + change) | distance.simd_ge(farthest);
+            let nothing = distance.simd_ge(result + width + change) | distance.simd_gt(farthest);
             let before = result - distance - change;
             self.behind.push(before);
             let kept = !nothing.to_bitmask() as u8;

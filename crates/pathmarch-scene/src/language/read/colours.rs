@@ -31,7 +31,13 @@ pub(super) fn positioned_colour(node: &Node, context: &mut Context) -> Option<([
 }
 
 /// The colour of a node's arguments, of which there is nothing in braces.
-fn channels(node: &Node, range: Range, what: impl Display + Copy, usage: impl Display + Copy, context: &mut Context) -> Option<[f32; 3]> {
+fn channels(
+    node: &Node,
+    range: Range,
+    what: impl Display + Copy,
+    usage: impl Display + Copy,
+    context: &mut Context,
+) -> Option<[f32; 3]> {
     no_children(node, context);
     let entries = arguments(node, 3, usage, context);
     let value = value(node, &entries, range, what, usage, context);

@@ -277,7 +277,8 @@ fn value(node: &Node, param: &MaterialParam, context: &mut Context) -> Option<[f
         }
         ParamKind::Flag => {
             let usage = format_args!("`{} #true`", node.name.value);
-            let value: Option<[bool; 1]> = exactly(node, usage, context, |entry, what, context| flag(entry, what, context));
+            let value: Option<[bool; 1]> =
+                exactly(node, usage, context, |entry, what, context| flag(entry, what, context));
             value.map(|[value]| [f32::from(u8::from(value)), 0.0, 0.0])
         }
     }
