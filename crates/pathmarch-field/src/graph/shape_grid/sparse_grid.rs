@@ -166,15 +166,15 @@ struct Block {
     list: Vec<u32>,
     /// Distance at its centre beyond which a shape affects neither it nor its list, metres.
     reach: f32,
-    /// Shapes that are not beyond that distance.
-    near: Vec<u32>,
+    /// A bit for each shape, set if it is not beyond that distance.
+    near: Vec<u64>,
 }
 
 impl Block {
     /// True if its list is the same after shapes have changed, whose distances at its centre are given.
     fn keeps_list(&self, changed: impl IntoIterator<Item = (u32, f32)>) -> bool {
-        let is_beyond =
-            |(number, distance)| is_beyond(distance, self.reach) && self.near.binary_search(&number).is_err();
+        let was_near = |number: u32| self.near[number as usize / 64] >> (number % 64) & 1 == 1;
+        let is_beyond = |(number, distance)| is_beyond(distance, self.reach) && !was_near(number);
         changed.into_iter().all(is_beyond)
     }
 }
@@ -315,9 +315,9 @@ impl SparseGrid {
             let lists = pruner.prune_each(&chunk, BITS + BLOCK, all).map(|pruned| pruned.list);
             let reaches = pruner.reach(pruner.size(BITS + BLOCK)).to_array();
             let block = |(lane, (list, reach)): (usize, (&Range<usize>, f32))| {
-                let is_near = |distances: &f32x8| !is_beyond(distances.as_array()[lane], reach);
-                let near = (0..).zip(&pruner.distances).filter(|(_, distances)| is_near(distances));
-                let near = near.map(|(number, _)| number).collect();
+                let bit = |distances: &f32x8| u64::from(!is_beyond(distances.as_array()[lane], reach));
+                let word = |distances: &[f32x8]| distances.iter().rev().fold(0, |word, it| word << 1 | bit(it));
+                let near = pruner.distances.chunks(64).map(word).collect();
                 Block { list: pruner.stack[list.clone()].to_vec(), reach, near }
             };
             let blocks: Vec<Block> = lists.iter().zip(reaches).take(indices.len()).enumerate().map(block).collect();
