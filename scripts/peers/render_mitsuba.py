@@ -143,7 +143,11 @@ def build(scene, directory, size, passes):
         described[f"point_{index}"] = {"type": "point", "position": point["position"], "intensity": rgb(point["intensity"])}
     if any(scene["sky"]):
         described["sky"] = {"type": "constant", "radiance": rgb(scene["sky"])}
-    return mi.load_dict(described)
+    try:
+        return mi.load_dict(described)
+    except RuntimeError:
+        # It joins meshes of one material, and fails where one of them is inside out.
+        return mi.load_dict(described, optimize=False)
 
 
 def main():
