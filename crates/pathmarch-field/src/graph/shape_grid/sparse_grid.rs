@@ -288,8 +288,8 @@ impl SparseGrid {
         grid
     }
 
-    /// Makes the blocks and the roots: those of an earlier grid of the same key where they
-    /// are the same. With it comes true for each shape that differs.
+    /// Makes the blocks and the roots: those of an earlier grid of the same key where they are the same. With that grid comes
+    /// true for each shape that differs.
     fn make_roots(&mut self, field: &Field, shape_grid: &ShapeGrid, previous: Option<(&Self, &[bool])>) {
         let counts = self.counts;
         let [nx, ny, nz] = counts.map(|count| count.div_ceil(1 << BLOCK));

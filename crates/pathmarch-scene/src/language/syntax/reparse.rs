@@ -28,6 +28,7 @@ pub(crate) enum Change {
     Nothing,
     /// They differ in numbers.
     Numbers,
+    /// They differ in names, strings or kinds of values.
     Words,
 }
 
