@@ -174,8 +174,7 @@ impl Block {
     /// True if its list is the same after shapes have changed, whose distances at its centre are given.
     fn keeps_list(&self, changed: impl IntoIterator<Item = (u32, f32)>) -> bool {
         let was_near = |number: u32| self.near[number as usize / 64] >> (number % 64) & 1 == 1;
-        let is_beyond = |(number, distance)| is_beyond(distance, self.reach) && !was_near(number);
-        changed.into_iter().all(is_beyond)
+        changed.into_iter().all(|(number, distance)| is_beyond(distance, self.reach) && !was_near(number))
     }
 }
 
