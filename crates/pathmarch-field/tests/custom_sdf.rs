@@ -612,7 +612,7 @@ fn names_are_isolated() {
         naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
     validator.validate(&module).expect("valid");
     for named in
-        ["march(p)", "frame.tolerance", "field_parameters[0].x", "user_test_passes", "own_test_size(p, 1.0, 1.0, 1.0)"]
+        ["march(p)", "frame.tolerance", "field_vector(0).x", "user_test_passes", "own_test_size(p, 1.0, 1.0, 1.0)"]
     {
         assert!(code(&[], &format!("fn distance(p: vec3f) -> f32 {{ return {named}; }}")).is_err(), "{named}");
     }

@@ -28,7 +28,8 @@ pub type Parameters = Vec<[f32; 4]>;
 
 /// Code and parameters of a field.
 ///
-/// The code reads an array `field_parameters` of `vec4f`. It declares the WGSL of [`Field`] methods:
+/// The code reads its parameters by `field_vector(index: u32) -> vec4f`, and the length of tables by `field_vector_count() -> u32`;
+/// [`declaration`](Self::declaration) declares both for an array. It declares the WGSL of [`Field`] methods:
 /// `sphere_traced_distance(p: vec3f) -> f32`, `analytic_hit(origin: vec3f, direction: vec3f) -> AnalyticHit`, and
 /// `surface(p: vec3f, hit_id: u32, triangle: u32, seed: u32) -> Surface` for [`Field::surface_at_hit`], where `hit_id` and
 /// `triangle` are those of an analytic hit, or `hit_id` is `SPHERE_TRACED`. The code of fields with meshes calls
@@ -85,11 +86,27 @@ fn choice(seed: u32, index: u32) -> f32 {
 }
 ";
 
+/// WGSL text of `field_vector(index: u32) -> vec4f` for an array `field_parameters`.
+const VECTOR: &str = "
+/// Vector of the field's parameters.
+fn field_vector(index: u32) -> vec4f {
+    return field_parameters[index];
+}
+";
+
+/// WGSL text of `field_vector_count() -> u32` for such an array without a declared length.
+const VECTOR_COUNT: &str = "
+/// Number of the field's parameters, vectors.
+fn field_vector_count() -> u32 {
+    return arrayLength(&field_parameters);
+}
+";
+
 /// WGSL text of `table_vector(index: f32) -> vec4f`, part of the code of fields with shapes that read tables.
 pub const TABLE: &str = "\
-/// Vector of the field's parameters.
+/// Vector of a shape's table.
 fn table_vector(index: f32) -> vec4f {
-    return field_parameters[min(u32(index), arrayLength(&field_parameters) - 1u)];
+    return field_vector(min(u32(index), field_vector_count() - 1u));
 }
 ";
 
@@ -127,8 +144,19 @@ impl Program {
     pub fn is_uniform(&self) -> bool {
         !self.has_tables && self.parameters.len() <= MAX_UNIFORM_VECTORS
     }
+    /// WGSL of an array `field_parameters` in a place such as `@group(0) @binding(0) var<uniform>`, and of the functions that
+    /// read it.
+    pub fn declaration(&self, place: &str) -> String {
+        let count = if self.has_tables { VECTOR_COUNT } else { "" };
+        format!("{place} field_parameters: {};\n{VECTOR}{count}", self.parameters_type())
+    }
+    /// WGSL of such an array of these vectors, and of the functions that read it.
+    pub fn constants(&self, vectors: &str) -> String {
+        let kind = self.parameters_type();
+        format!("var<private> field_parameters: {kind} = {kind}({vectors});\n{VECTOR}")
+    }
     /// WGSL type of the array of parameters.
-    pub fn parameters_type(&self) -> String {
+    fn parameters_type(&self) -> String {
         match self.has_tables {
             true => "array<vec4f>".to_owned(),
             false => format!("array<vec4f, {}>", self.parameters.len()),

@@ -182,12 +182,15 @@ pub fn lanes(points: &[Vec3<f32>]) -> Vec3<f32x8> {
 /// The declaration that a program's code expects.
 pub fn declared(program: &Program) -> String {
     let space = if program.is_uniform() { "uniform" } else { "storage, read" };
-    format!("@group(0) @binding(0) var<{space}> field_parameters: {};\n", program.parameters_type())
+    program.declaration(&format!("@group(0) @binding(0) var<{space}>"))
 }
 
 /// What the functions of a shape that reads a table expect.
 pub fn table() -> String {
-    format!("@group(0) @binding(0) var<storage, read> field_parameters: array<vec4f>;\n{TABLE}")
+    format!(
+        "@group(0) @binding(0) var<storage, read> field_parameters: array<vec4f>;\nfn field_vector(index: u32) -> vec4f {{ return \
+         field_parameters[index]; }}\nfn field_vector_count() -> u32 {{ return arrayLength(&field_parameters); }}\n{TABLE}"
+    )
 }
 
 /// Fails with naga's message unless `source` is valid WGSL.

@@ -307,7 +307,7 @@ fn kernels(
     buffers: &[wgpu::BindingResource; 3],
     textures: &[wgpu::BindingResource; 2],
 ) -> [Kernel; 2] {
-    let declared = format!("@group(1) @binding(0) var<storage> field_parameters: {};\n\n", program.parameters_type());
+    let declared = program.declaration("@group(1) @binding(0) var<storage>");
     let code = [include_str!("view.wgsl"), include_str!("visibility.wgsl"), &declared, &program.code].concat();
     let descriptor =
         wgpu::ShaderModuleDescriptor { label: Some("visibility"), source: wgpu::ShaderSource::Wgsl(code.into()) };

@@ -10,15 +10,15 @@ fn light_of_triangle(light: u32, triangle: u32) -> u32 {
     if any.kind != TRIANGLES || any.x.y < 0.0 {
         return light;
     }
-    return scene_data[scene_data[MESH_LIGHT_DATA + 2u * u32(any.x.y) + 1u] + triangle];
+    return scene_word(scene_word(MESH_LIGHT_DATA + 2u * u32(any.x.y) + 1u) + triangle);
 }
 
 /// Samples a point by area on the triangles of a mesh.
 fn sample_mesh(light: Light, p: vec3f, position: vec2f) -> LightSample {
-    let table = scene_data[MESH_LIGHT_DATA + 2u * u32(light.x.x)];
-    let count = scene_data[table + 1u];
+    let table = scene_word(MESH_LIGHT_DATA + 2u * u32(light.x.x));
+    let count = scene_word(table + 1u);
     let cell = sample_alias_table(table + 2u, count, position.x);
-    let triangle = scene_data[table + 2u + 2u * count + u32(cell.x)];
+    let triangle = scene_word(table + 2u + 2u * count + u32(cell.x));
     let root = sqrt(cell.y);
     let weights = vec2f(root * (1.0 - position.y), root * position.y);
     let instance = mesh_word(mesh_word(2u) + light.leaf);
@@ -34,7 +34,7 @@ fn sample_mesh(light: Light, p: vec3f, position: vec2f) -> LightSample {
     let distance = sqrt(square);
     let direction = offset / distance;
     let cosine = -dot(normal, direction);
-    if cosine == 0.0 || (cosine < 0.0 && scene_data[table] != 0u) {
+    if cosine == 0.0 || (cosine < 0.0 && scene_word(table) != 0u) {
         return LightSample(direction, 0.0, vec3f(0.0), 0.0, NO_TARGET, 0.0);
     }
     let radiance = emission_on_mesh(light.leaf, triangle, local) * light.inverse_pmf;

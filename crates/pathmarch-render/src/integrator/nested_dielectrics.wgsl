@@ -3,13 +3,13 @@
 
 /// Key of the solid of a leaf: its rank in the upper byte, one more than its object in the others. 0 without an inside.
 fn key_of(leaf: u32) -> u32 {
-    return scene_data[DIELECTRIC_DATA + DIELECTRIC_WORDS * leaf];
+    return scene_word(DIELECTRIC_DATA + DIELECTRIC_WORDS * leaf);
 }
 
 /// Refractive index of the solid of a leaf, at an offset.
 fn own_index(leaf: u32, offset: f32) -> f32 {
     let first = DIELECTRIC_DATA + DIELECTRIC_WORDS * leaf;
-    return max(bitcast<f32>(scene_data[first + 1u]) + bitcast<f32>(scene_data[first + 2u]) * offset, 1.0);
+    return max(bitcast<f32>(scene_word(first + 1u)) + bitcast<f32>(scene_word(first + 2u)) * offset, 1.0);
 }
 
 /// Solids around a path, from their leaves.
@@ -119,7 +119,7 @@ fn relative_index(medium: Medium, leaf: u32, offset: f32) -> f32 {
 
 /// Reports whether the index of a leaf depends on the wavelength.
 fn disperses(entry: u32) -> bool {
-    return entry > 0u && scene_data[DIELECTRIC_DATA + DIELECTRIC_WORDS * (entry - 1u) + 2u] != 0u;
+    return entry > 0u && scene_word(DIELECTRIC_DATA + DIELECTRIC_WORDS * (entry - 1u) + 2u) != 0u;
 }
 
 /// Reports whether the index at the surface of a leaf depends on the wavelength.

@@ -28,14 +28,14 @@ const NO_SOLIDS = Solids(vec4u(0u), vec4u(0u));
 /// Medium number `index` of the scene: 0 is the fog, the others are those of the materials.
 fn stored_medium(index: u32) -> Medium {
     let first = MEDIUM_DATA + MEDIUM_WORDS * index;
-    let absorption = vec3u(scene_data[first], scene_data[first + 1u], scene_data[first + 2u]);
-    let scattering = vec3u(scene_data[first + 3u], scene_data[first + 4u], scene_data[first + 5u]);
-    let emission = vec3u(scene_data[first + 6u], scene_data[first + 7u], scene_data[first + 8u]);
+    let absorption = vec3u(scene_word(first), scene_word(first + 1u), scene_word(first + 2u));
+    let scattering = vec3u(scene_word(first + 3u), scene_word(first + 4u), scene_word(first + 5u));
+    let emission = vec3u(scene_word(first + 6u), scene_word(first + 7u), scene_word(first + 8u));
     return Medium(
         bitcast<vec3f>(absorption),
-        bitcast<f32>(scene_data[first + 9u]),
+        bitcast<f32>(scene_word(first + 9u)),
         bitcast<vec3f>(scattering),
-        scene_data[first + 10u],
+        scene_word(first + 10u),
         bitcast<vec3f>(emission),
         NO_SOLIDS,
     );

@@ -46,10 +46,10 @@ fn photon_radiance(
 ) -> vec3f {
     let p = interaction.p;
     let normal = interaction.normal;
-    let blurred = photon_radius(p, scene_vectors[PHOTON_DATA + 1u]);
+    let blurred = photon_radius(p, scene_vector(PHOTON_DATA + 1u));
     // Radius divided by the distance from the camera, smallest radius divided by the largest coordinate, number of slots, and
     // offset of the first.
-    let header = scene_vectors[PHOTON_DATA + select(0u, 1u, footprint > blurred * blurred)];
+    let header = scene_vector(PHOTON_DATA + select(0u, 1u, footprint > blurred * blurred));
     let mask = u32(header.z) - 1u;
     let slots = PHOTON_DATA + u32(header.w);
     let radius = photon_radius(p, header);
@@ -67,10 +67,10 @@ fn photon_radiance(
             let place = hash(words.x ^ hash(words.y ^ hash(words.z ^ (u32(level) * 0x9e3779b9u))));
             let key = f32(hash(place ^ words.x) >> 8u);
             var slot = place & mask;
-            var range = scene_vectors[slots + slot];
+            var range = scene_vector(slots + slot);
             while range.y > 0.0 && range.z != key {
                 slot = (slot + 1u) & mask;
-                range = scene_vectors[slots + slot];
+                range = scene_vector(slots + slot);
             }
             let count = u32(range.y);
             if count == 0u {
@@ -80,7 +80,7 @@ fn photon_radiance(
             let first_photon = slots + mask + 1u + PHOTON_VECTORS * u32(range.x);
             var part = vec3f(0.0);
             for (var index = hash(seed ^ place) % stride; index < count; index += stride) {
-                let at = scene_vectors[first_photon + PHOTON_VECTORS * index];
+                let at = scene_vector(first_photon + PHOTON_VECTORS * index);
                 let offset = at.xyz - p;
                 let photon_reach = photon_radius(at.xyz, header);
                 let height = dot(offset, normal);
@@ -88,7 +88,7 @@ fn photon_radiance(
                 if share >= 1.0 || abs(height) > photon_reach {
                     continue;
                 }
-                let carried = scene_vectors[first_photon + PHOTON_VECTORS * index + 1u];
+                let carried = scene_vector(first_photon + PHOTON_VECTORS * index + 1u);
                 let code = u32(carried.w);
                 if ((code >> 16u) & 15u) + surface_index > frame.bounces {
                     continue;

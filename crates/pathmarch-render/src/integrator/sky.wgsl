@@ -29,10 +29,10 @@ fn sky_lookup(direction: vec3f) -> vec4f {
     let right = (left + 1u) % frame.sky_width;
     let upper = u32(row);
     let lower = min(upper + 1u, frame.sky_height - 1u);
-    let a = scene_vectors[upper * frame.sky_width + left].xyz;
-    let b = scene_vectors[upper * frame.sky_width + right].xyz;
-    let c = scene_vectors[lower * frame.sky_width + left].xyz;
-    let d = scene_vectors[lower * frame.sky_width + right].xyz;
+    let a = scene_vector(upper * frame.sky_width + left).xyz;
+    let b = scene_vector(upper * frame.sky_width + right).xyz;
+    let c = scene_vector(lower * frame.sky_width + left).xyz;
+    let d = scene_vector(lower * frame.sky_width + right).xyz;
     let s = column - floor(column);
     let radiance = mix(mix(a, b, s), mix(c, d, s), fract(row));
     return vec4f(radiance, 0.25 * dot(a + b + c + d, vec3f(0.2126, 0.7152, 0.0722)));
@@ -78,9 +78,9 @@ fn sample_alias_table(table: u32, count: u32, u: f32) -> vec2f {
     let scaled = u * f32(count);
     let cell = min(u32(scaled), count - 1u);
     let remapped = scaled - f32(cell);
-    let threshold = bitcast<f32>(scene_data[table + 2u * cell]);
+    let threshold = bitcast<f32>(scene_word(table + 2u * cell));
     if remapped < threshold {
         return vec2f(f32(cell), clamp(remapped / threshold, 0.0, 1.0));
     }
-    return vec2f(f32(scene_data[table + 2u * cell + 1u]), clamp((remapped - threshold) / (1.0 - threshold), 0.0, 1.0));
+    return vec2f(f32(scene_word(table + 2u * cell + 1u)), clamp((remapped - threshold) / (1.0 - threshold), 0.0, 1.0));
 }

@@ -12,7 +12,7 @@ mod web_gpu;
 
 use crate::backend::RenderInput;
 use crate::backend::cpu::CpuJob;
-use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource};
+use crate::backend::gpu::{self, GpuContext, GpuJob, KernelSource, KernelTarget};
 use crate::error::RenderError;
 use crate::output::exposure::suitable_stops;
 use crate::output::film::Film;
@@ -354,7 +354,7 @@ impl Job {
 /// [`RenderError::Settings`] if settings are out of range.
 pub fn kernel_wgsl(scene: &Scene, settings: &Settings, software: bool) -> Result<String, RenderError> {
     settings.check(scene)?;
-    Ok(KernelSource::for_adapter(&RenderInput::new(scene, settings), software).code)
+    Ok(KernelSource::for_target(&RenderInput::new(scene, settings), KernelTarget::new(software)).code)
 }
 
 /// Counts the rays and field evaluations of one sample of every pixel, on the CPU.

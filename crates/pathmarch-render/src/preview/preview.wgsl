@@ -27,7 +27,7 @@ fn has_step(bit: u32) -> bool {
 
 /// Number of the preview data.
 fn preview_number(k: u32) -> f32 {
-    return bitcast<f32>(scene_data[MODE_DATA + k]);
+    return bitcast<f32>(scene_word(MODE_DATA + k));
 }
 
 /// Colour of the preview data.
@@ -37,7 +37,7 @@ fn preview_colour(k: u32) -> vec3f {
 
 /// Preview material of a material.
 fn preview_material(m: u32) -> PreviewMaterial {
-    let k = FIRST_LIGHT + 2u * scene_data[MODE_DATA + FIRST_LIGHT - 1u] + PREVIEW_PARAMETERS * m;
+    let k = FIRST_LIGHT + 2u * scene_word(MODE_DATA + FIRST_LIGHT - 1u) + PREVIEW_PARAMETERS * m;
     return PreviewMaterial(preview_colour(k), preview_number(k + 3u), preview_colour(k + 4u), preview_colour(k + 7u), preview_colour(k + 10u), preview_number(k + 13u));
 }
 
@@ -212,7 +212,7 @@ fn direct_light(interaction: SurfaceInteraction, view: vec3f, path_length: f32, 
     // Radiance without shadow, and the index of the light in the preview data.
     var strongest: array<vec4f, MAX_SHADOWS>;
     let is_specular = HAS_REFLECTIONS && largest(specular.f90) > 0.0;
-    let count = scene_data[MODE_DATA + FIRST_LIGHT - 1u];
+    let count = scene_word(MODE_DATA + FIRST_LIGHT - 1u);
     for (var k = 0u; k < count; k++) {
         let light = preview_light(k);
         let unoccluded = unoccluded_light(light, preview_radius(k), interaction.p, interaction.normal);
@@ -251,7 +251,7 @@ fn direct_light(interaction: SurfaceInteraction, view: vec3f, path_length: f32, 
 
 /// Light `k` of the preview.
 fn preview_light(k: u32) -> Light {
-    return light_at(scene_data[MODE_DATA + FIRST_LIGHT + 2u * k]);
+    return light_at(scene_word(MODE_DATA + FIRST_LIGHT + 2u * k));
 }
 
 /// Radius of the sphere that approximates light `k` of the preview, metres.

@@ -183,8 +183,7 @@ pub(super) struct DeformationPass {
 impl DeformationPass {
     /// Code for the objects of an earlier field.
     pub(super) fn code(program: &Program) -> String {
-        let parameters =
-            format!("@group(0) @binding(13) var<storage, read> field_parameters: {};\n", program.parameters_type());
+        let parameters = program.declaration("@group(0) @binding(13) var<storage, read>");
         [&parameters, &program.code, &code("reconstruct/deformation", BASE)].map(String::as_str).concat()
     }
 

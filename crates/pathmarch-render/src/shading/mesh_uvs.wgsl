@@ -45,7 +45,7 @@ fn uv_bilinear(picture: TexturePicture, level: u32, place: vec2f, modes: u32) ->
 
 /// Colour (xyz) and value (w) of the picture at offset `texture`, for a footprint in the coordinates of the leaf.
 fn uv_picture(texture: u32, picture: TexturePicture, footprint: f32) -> vec4f {
-    let flags = scene_data[texture + TEXTURE_PARAMETERS + 7u];
+    let flags = scene_word(texture + TEXTURE_PARAMETERS + 7u);
     var uv = vec3f(0.0);
     if uv_triangle != NO_TRIANGLE {
         uv = mesh_uv(uv_leaf, uv_triangle, uv_point, flags & 1u);
@@ -57,7 +57,7 @@ fn uv_picture(texture: u32, picture: TexturePicture, footprint: f32) -> vec4f {
     let last = picture.levels - 1u;
     let level = min(log2(max(texels, 1.0)), f32(last));
     let first = floor(level);
-    let modes = scene_data[texture + TEXTURE_PARAMETERS + 6u];
+    let modes = scene_word(texture + TEXTURE_PARAMETERS + 6u);
     var colour = uv_bilinear(picture, u32(first), place, modes);
     if level != first {
         colour = mix(colour, uv_bilinear(picture, min(u32(first) + 1u, last), place, modes), level - first);

@@ -10,8 +10,8 @@ fn begin_textures(m: u32) {
 
 /// Applies a layer with this colour and value of its texture.
 fn apply_layer(layer: u32, texel: vec4f) {
-    if scene_data[layer + LAYER_KIND] != PACKED_LAYER && scene_data[layer + LAYER_PLACE] == 0u {
-        let base = texture_vector(scene_data[layer + LAYER_PREVIEWS]);
+    if scene_word(layer + LAYER_KIND) != PACKED_LAYER && scene_word(layer + LAYER_PLACE) == 0u {
+        let base = texture_vector(scene_word(layer + LAYER_PREVIEWS));
         let below = select(base, textured_albedo.xyz, textured_albedo.w > 0.0);
         textured_albedo = vec4f(layer_colour(layer, texel, below), 1.0);
     }

@@ -15,8 +15,8 @@ fn begin_textures(m: u32) {
 
 /// Applies a layer with this colour and value of its texture.
 fn apply_layer(layer: u32, texel: vec4f) {
-    let first_or_count = scene_data[layer + LAYER_PLACE];
-    if scene_data[layer + LAYER_KIND] != PACKED_LAYER {
+    let first_or_count = scene_word(layer + LAYER_PLACE);
+    if scene_word(layer + LAYER_KIND) != PACKED_LAYER {
         let vector = first_or_count / 4u;
         let colour = layer_colour(layer, texel, textured_parameters[vector].xyz);
         textured_parameters[vector] = vec4f(colour, textured_parameters[vector].w);
@@ -28,7 +28,7 @@ fn apply_layer(layer: u32, texel: vec4f) {
     // In a layer of this kind, LAYER_PLACE is the number of parameters.
     let knots = layer + LAYER_CONTENTS + first_or_count;
     for (var k = 0u; k < first_or_count; k++) {
-        let parameter = scene_data[layer + LAYER_CONTENTS + k];
+        let parameter = scene_word(layer + LAYER_CONTENTS + k);
         let a = texture_number(knots + first_or_count * first + k);
         let b = texture_number(knots + first_or_count * (first + 1u) + k);
         textured_parameters[parameter / 4u][parameter % 4u] = a + (b - a) * weight;

@@ -16,8 +16,8 @@ var<private> textured_emission: vec3f;
 /// Emitted radiance of material `m` at the interaction that was evaluated last.
 fn emission_at(m: u32) -> vec3f {
     if HAS_EMISSION_TEXTURES {
-        let material = scene_data[TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + m];
-        if material != 0u && scene_data[material + 3u] != 0u {
+        let material = scene_word(TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + m);
+        if material != 0u && scene_word(material + 3u) != 0u {
             return textured_emission;
         }
     }
@@ -27,9 +27,9 @@ fn emission_at(m: u32) -> vec3f {
 /// Emitted radiance of a leaf at a point of one of its triangles, in the mesh's coordinates.
 fn emission_on_mesh(leaf: u32, triangle: u32, local: vec3f) -> vec3f {
     if HAS_EMISSION_TEXTURES {
-        let material = scene_data[TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + leaf_at(leaf).material];
-        if material != 0u && scene_data[material + 3u] != 0u {
-            let texture = scene_data[scene_data[material + 3u]];
+        let material = scene_word(TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + leaf_at(leaf).material);
+        if material != 0u && scene_word(material + 3u) != 0u {
+            let texture = scene_word(scene_word(material + 3u));
             begin_uvs(leaf, triangle, local);
             return uv_picture(texture, texture_picture(texture), 0.0).xyz;
         }
@@ -39,7 +39,7 @@ fn emission_on_mesh(leaf: u32, triangle: u32, local: vec3f) -> vec3f {
 
 /// Float at an offset in the scene data.
 fn texture_number(index: u32) -> f32 {
-    return bitcast<f32>(scene_data[index]);
+    return bitcast<f32>(scene_word(index));
 }
 
 /// Three floats at an offset in the scene data.
@@ -50,7 +50,7 @@ fn texture_vector(index: u32) -> vec3f {
 /// Coordinates of `p` in the space of a leaf.
 fn leaf_coordinates(leaf: u32, p: vec3f) -> Coordinates {
     let leaf_offset = TEXTURE_DATA + LEAF_WORDS * leaf;
-    let outer = modifier_coordinates(scene_data[leaf_offset + 12u], p);
+    let outer = modifier_coordinates(scene_word(leaf_offset + 12u), p);
     let x = texture_vector(leaf_offset + 3u);
     let y = texture_vector(leaf_offset + 6u);
     let z = texture_vector(leaf_offset + 9u);
@@ -61,13 +61,13 @@ fn leaf_coordinates(leaf: u32, p: vec3f) -> Coordinates {
 /// Picture of the texture at this offset.
 fn texture_picture(texture: u32) -> TexturePicture {
     let at = texture + TEXTURE_PARAMETERS;
-    return TexturePicture(scene_data[at], scene_data[at + 1u], scene_data[at + 2u], scene_data[at + 3u], scene_data[at + 5u] != 0u);
+    return TexturePicture(scene_word(at), scene_word(at + 1u), scene_word(at + 2u), scene_word(at + 3u), scene_word(at + 5u) != 0u);
 }
 
 /// Colour (xyz) and value (w) of the texture at offset `texture_offset`; of a decal, colour times alpha and alpha. The value
 /// of an orbit trap is below 0 on a shape without orbit.
 fn texture_at(texture_offset: u32, leaf: u32, spot_of_leaf: Spot) -> vec4f {
-    let kind = scene_data[texture_offset];
+    let kind = scene_word(texture_offset);
     var leaf_spot = spot_of_leaf;
     if HAS_DECALS && kind == WORLD_DECAL_SOURCE {
         leaf_spot = world_spot;
@@ -80,7 +80,7 @@ fn texture_at(texture_offset: u32, leaf: u32, spot_of_leaf: Spot) -> vec4f {
         let range_start = texture_number(texture_offset + TEXTURE_PARAMETERS + 1u);
         let to = texture_number(texture_offset + TEXTURE_PARAMETERS + 2u);
         let range = select(to - range_start, 1e-20, to == range_start);
-        return vec4f(clamp((values[scene_data[texture_offset + TEXTURE_PARAMETERS]] - range_start) / range, 0.0, 1.0));
+        return vec4f(clamp((values[scene_word(texture_offset + TEXTURE_PARAMETERS)] - range_start) / range, 0.0, 1.0));
     }
     let x = texture_vector(texture_offset + TEXTURE_ROWS);
     let y = texture_vector(texture_offset + TEXTURE_ROWS + 3u);
@@ -100,7 +100,7 @@ fn texture_at(texture_offset: u32, leaf: u32, spot_of_leaf: Spot) -> vec4f {
     }
     if HAS_DECALS && (kind == DECAL_SOURCE || kind == WORLD_DECAL_SOURCE) {
         let at = texture_offset + TEXTURE_PARAMETERS;
-        let picture = TexturePicture(scene_data[at], scene_data[at + 1u], scene_data[at + 2u], scene_data[at + 3u], true);
+        let picture = TexturePicture(scene_word(at), scene_word(at + 1u), scene_word(at + 2u), scene_word(at + 3u), true);
         let depth = texture_number(at + 5u);
         return decal_at(picture, spot, texture_number(at + 4u), depth, texture_number(at + 6u), texture_number(at + 7u));
     }
@@ -115,14 +115,14 @@ fn texture_at(texture_offset: u32, leaf: u32, spot_of_leaf: Spot) -> vec4f {
 
 /// Colour of a layer over the colour `below`, from the colour and value of its texture.
 fn layer_colour(layer: u32, texel: vec4f, below: vec3f) -> vec3f {
-    let kind = scene_data[layer + LAYER_KIND];
+    let kind = scene_word(layer + LAYER_KIND);
     if kind == OWN_COLOURS_LAYER {
         return texel.xyz;
     }
     if HAS_DECALS && kind == DECAL_LAYER {
         return below * (1.0 - texel.w) + texel.xyz;
     }
-    let last = scene_data[layer + LAYER_CONTENTS];
+    let last = scene_word(layer + LAYER_CONTENTS);
     if kind == POSITIONED_RAMP_LAYER {
         return positioned_colour(layer + LAYER_CONTENTS + 1u, last, texel.w);
     }
@@ -156,7 +156,7 @@ fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) 
     bump_gradient = vec3f(0.0);
     map_normal = vec3f(0.0);
     begin_textures(m);
-    let material = scene_data[TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + m];
+    let material = scene_word(TEXTURE_DATA + LEAF_WORDS * LEAF_COUNT + m);
     if material == 0u {
         return;
     }
@@ -171,20 +171,20 @@ fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) 
     if HAS_DECALS {
         world_spot = Spot(interaction.p, outward, frame.pixel * path_length);
     }
-    let layers = scene_data[material];
-    let bump = scene_data[material + 1u];
+    let layers = scene_word(material);
+    let bump = scene_word(material + 1u);
     var step = 1.0;
     if HAS_BUMP && bump != 0u {
-        let texture = scene_data[bump];
+        let texture = scene_word(bump);
         step = max(texture_number(texture + TEXTURE_STEP) * texture_number(texture + TEXTURE_SCALE), 0.5 * spot.footprint);
     }
     var normal_map = 0u;
     var emission = 0u;
     if HAS_NORMAL_MAPS {
-        normal_map = scene_data[material + 2u];
+        normal_map = scene_word(material + 2u);
     }
     if HAS_EMISSION_TEXTURES {
-        emission = scene_data[material + 3u];
+        emission = scene_word(material + 3u);
     }
     var heights = vec4f(0.0);
     // The bump map is evaluated at four points. A single loop keeps one copy of the code of every texture in the
@@ -193,14 +193,14 @@ fn evaluate_textures(m: u32, interaction: SurfaceInteraction, path_length: f32) 
     let map_end = bump_end + select(0u, 1u, normal_map != 0u);
     for (var k = 0u; k < map_end + select(0u, 1u, emission != 0u); k++) {
         var sample_spot = spot;
-        var layer = select(bump, scene_data[material + 4u + min(k, max(layers, 1u) - 1u)], k < layers);
+        var layer = select(bump, scene_word(material + 4u + min(k, max(layers, 1u) - 1u)), k < layers);
         if k > layers && k < bump_end {
             sample_spot.p += step * vec3f(f32(k == layers + 1u), f32(k == layers + 2u), f32(k == layers + 3u));
         }
         if k >= bump_end {
             layer = select(emission, normal_map, k < map_end);
         }
-        let texel = texture_at(scene_data[layer], leaf, sample_spot);
+        let texel = texture_at(scene_word(layer), leaf, sample_spot);
         if k >= map_end {
             textured_emission = texel.xyz;
         } else if k >= bump_end {

@@ -14,9 +14,9 @@ fn begin_textures(m: u32) {
 
 /// Applies a layer with this colour and value of its texture.
 fn apply_layer(layer: u32, texel: vec4f) {
-    let previews = scene_data[layer + LAYER_PREVIEWS];
-    if scene_data[layer + LAYER_KIND] != PACKED_LAYER {
-        let is_first = scene_data[layer + LAYER_PLACE] == 0u;
+    let previews = scene_word(layer + LAYER_PREVIEWS);
+    if scene_word(layer + LAYER_KIND) != PACKED_LAYER {
+        let is_first = scene_word(layer + LAYER_PLACE) == 0u;
         let below = select(texture_vector(previews), first_colour.xyz, is_first && first_colour.w > 0.0);
         let colour = layer_colour(layer, texel, below);
         let change = colour - below;

@@ -3,7 +3,7 @@
 
 /// Number of the lookup table of the view.
 fn view_number(k: u32) -> f32 {
-    return bitcast<f32>(scene_data[MODE_DATA + k]);
+    return bitcast<f32>(scene_word(MODE_DATA + k));
 }
 
 /// Colour of the lookup table of the view.

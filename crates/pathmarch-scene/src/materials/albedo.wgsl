@@ -15,5 +15,5 @@ fn ggx_split(cosine: f32, roughness: f32) -> vec2f {
 
 fn ggx_entry(row: u32, column: u32) -> vec2f {
     let place = GGX_DATA + 2u * (row * GGX_COSINES + column);
-    return vec2f(bitcast<f32>(scene_data[place]), bitcast<f32>(scene_data[place + 1u]));
+    return vec2f(bitcast<f32>(scene_word(place)), bitcast<f32>(scene_word(place + 1u)));
 }

@@ -2,7 +2,7 @@
 
 /// Colour times alpha, and alpha, of a texel.
 fn decal_texel(picture: TexturePicture, index: u32) -> vec4f {
-    let alpha = f32(scene_data[picture.at + index] >> 24u) / 255.0;
+    let alpha = f32(scene_word(picture.at + index) >> 24u) / 255.0;
     return vec4f(picture_texel(picture, index) * alpha, alpha);
 }
 

@@ -11,7 +11,7 @@ struct TexturePicture {
 }
 
 fn picture_texel(picture: TexturePicture, index: u32) -> vec3f {
-    let word = scene_data[picture.at + index];
+    let word = scene_word(picture.at + index);
     let codes = vec3f(f32(word & 255u), f32((word >> 8u) & 255u), f32((word >> 16u) & 255u)) / 255.0;
     let bright = pow((codes + 0.055) / 1.055, vec3f(2.4));
     return select(codes, select(bright, codes / 12.92, codes <= vec3f(0.04045)), picture.encoded);

@@ -17,11 +17,11 @@ const BVH = 0x80000000u;
 fn bvh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit {
     var nearest = before;
     let inverse = 1.0 / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
-    var node = u32(field_parameters[HEADERu].x);
-    let end = u32(field_parameters[HEADERu].y);
+    var node = u32(field_vector(HEADERu).x);
+    let end = u32(field_vector(HEADERu).y);
     while node < end {
-        let low = field_parameters[node];
-        let high = field_parameters[node + 1u];
+        let low = field_vector(node);
+        let high = field_vector(node + 1u);
         let a = (low.xyz - origin) * inverse;
         let b = (high.xyz - origin) * inverse;
         let first = min(a, b);
@@ -50,19 +50,19 @@ fn bvh_hit(origin: vec3f, direction: vec3f, before: AnalyticHit) -> AnalyticHit 
 /// distance found before, if that is less.
 fn bvh_distance(p: vec3f, before: f32, sets: u32, ignored_leaf: u32) -> f32 {
     var nearest = before;
-    var node = u32(field_parameters[HEADERu].x);
-    let end = u32(field_parameters[HEADERu].y);
+    var node = u32(field_vector(HEADERu).x);
+    let end = u32(field_vector(HEADERu).y);
     while node < end {
-        let low = field_parameters[node];
-        let high = field_parameters[node + 1u];
+        let low = field_vector(node);
+        let high = field_vector(node + 1u);
         let is_near = length(max(max(low.xyz - p, p - high.xyz), vec3f(0.0))) < nearest;
         let record = u32(high.w);
         loop {
             if !is_near || record == 0u {
                 break;
             }
-            let is_included = sets == 0u || (u32(field_parameters[record + 2u].w) & sets) != 0u;
-            if is_included && u32(field_parameters[record + 3u].w) != ignored_leaf {
+            let is_included = sets == 0u || (u32(field_vector(record + 2u).w) & sets) != 0u;
+            if is_included && u32(field_vector(record + 3u).w) != ignored_leaf {
                 nearest = min(nearest, abs(record_distance(record, p)));
             }
             break;
@@ -132,9 +132,9 @@ impl Composer<'_> {
         }
         let ray = format!(
             "/// Metres to the first hit of a ray with the shape of a record.\nfn record_ray(record: u32, origin: vec3f, direction: \
-             vec3f) -> f32 {{\n    let at = field_parameters[record];\n    let x = field_parameters[record + 1u];\n    let y = \
-             field_parameters[record + 2u];\n    let z = field_parameters[record + 3u];\n    let n = field_parameters[record + \
-             4u];\n    let rows = mat3x3f(x.xyz, y.xyz, z.xyz);\n    let o = (origin - at.xyz) * rows;\n    let d = direction * rows \
+             vec3f) -> f32 {{\n    let at = field_vector(record);\n    let x = field_vector(record + 1u);\n    let y = \
+             field_vector(record + 2u);\n    let z = field_vector(record + 3u);\n    let n = field_vector(record + \
+             4u);\n    let rows = mat3x3f(x.xyz, y.xyz, z.xyz);\n    let o = (origin - at.xyz) * rows;\n    let d = direction * rows \
              * at.w;\n    var t = 1e30;\n{}    return t * at.w;\n}}\n\n",
             cases(&self.record_kinds(), "t", "ray", "o, d")
         );

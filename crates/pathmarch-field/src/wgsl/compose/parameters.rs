@@ -47,7 +47,7 @@ impl Composer<'_> {
         let start = self.starts[index as usize];
         let (mut point, next) = local(&leaf.pose, start, p);
         if let Some(axes) = self.constant_axes(&leaf.pose) {
-            let offset = if leaf.pose.moved { format!("({p} - field_parameters[{start}].xyz)") } else { p.to_owned() };
+            let offset = if leaf.pose.moved { format!("({p} - field_vector({start}).xyz)") } else { p.to_owned() };
             point = format!("{} / {}", swizzled(&offset, axes), component(start, 3));
         }
         (point, arguments(next, if leaf.shape.reads_table() { 1 } else { leaf.params.len() }))
@@ -56,7 +56,7 @@ impl Composer<'_> {
 
 /// Component `k` of a parameter vector.
 pub(super) fn component(vector: usize, k: usize) -> String {
-    format!("field_parameters[{vector}].{}", ["x", "y", "z", "w"][k])
+    format!("field_vector({vector}).{}", ["x", "y", "z", "w"][k])
 }
 
 /// Vector of the components of `v` along these axes.
@@ -77,7 +77,7 @@ pub(super) fn inverse(axes: [(usize, f32); 3]) -> [(usize, f32); 3] {
 
 /// Matrix whose columns are the rows stored from this vector on.
 pub(super) fn rows(start: usize) -> String {
-    let row = |k: usize| format!("field_parameters[{}].xyz", start + k);
+    let row = |k: usize| format!("field_vector({}).xyz", start + k);
     format!("mat3x3f({}, {}, {})", row(0), row(1), row(2))
 }
 
@@ -87,13 +87,13 @@ pub(super) fn local(pose: &Pose, start: usize, p: &str) -> (String, usize) {
     let mut point = p.to_owned();
     if pose.moved || pose.turn != Turn::None {
         if pose.moved {
-            point = format!("{p} - field_parameters[{next}].xyz");
+            point = format!("{p} - field_vector({next}).xyz");
         }
         next += 1;
     }
     match pose.turn {
         Turn::None => {}
-        Turn::Scaled => point = format!("({point}) / field_parameters[{}].w", next - 1),
+        Turn::Scaled => point = format!("({point}) / field_vector({}).w", next - 1),
         Turn::Turned => {
             point = format!("({point}) * {}", rows(next));
             next += 3;

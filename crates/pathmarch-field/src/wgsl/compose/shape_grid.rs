@@ -202,9 +202,9 @@ impl Composer<'_> {
         if kinds.is_empty() {
             return String::new();
         }
-        let local = "    let at = field_parameters[record];\n    let x = field_parameters[record + 1u];\n    \
-                     let y = field_parameters[record + 2u];\n    let z = field_parameters[record + 3u];\n    \
-                     let n = field_parameters[record + 4u];\n    let q = (p - at.xyz) * mat3x3f(x.xyz, y.xyz, z.xyz);\n";
+        let local = "    let at = field_vector(record);\n    let x = field_vector(record + 1u);\n    \
+                     let y = field_vector(record + 2u);\n    let z = field_vector(record + 3u);\n    \
+                     let n = field_vector(record + 4u);\n    let q = (p - at.xyz) * mat3x3f(x.xyz, y.xyz, z.xyz);\n";
         format!(
             "/// Signed distance to the shape of a record.\nfn record_distance(record: u32, p: vec3f) -> f32 {{\n{local}    var d = \
              1e30;\n{}    return d * at.w;\n}}\n\n/// Gradient (xyz) and distance (w) of the shape of a record.\n\
@@ -239,7 +239,7 @@ pub(super) fn cases(kinds: &[RecordKind], result: &str, function: &str, inputs: 
         let numbers: String = (0..kind.arguments)
             .map(|k| match k {
                 0..4 => format!(", n.{}", ["x", "y", "z", "w"][k]),
-                _ => format!(", field_parameters[record + {}u].{}", RECORD - 1 + k / 4, ["x", "y", "z", "w"][k % 4]),
+                _ => format!(", field_vector(record + {}u).{}", RECORD - 1 + k / 4, ["x", "y", "z", "w"][k % 4]),
             })
             .collect();
         format!("{result} = {}_{function}({inputs}{numbers});", kind.name)
@@ -268,12 +268,12 @@ pub(super) fn cases(kinds: &[RecordKind], result: &str, function: &str, inputs: 
 /// Prints the descent to a cell.
 fn find() -> String {
     let mut text = format!(
-        "fn shape_grid_cell(header: u32, p: vec3f) -> GridCell {{\n    let corner = field_parameters[header];\n    let roots = \
-         vec3u(field_parameters[header + 1u].xyz);\n    let cells = u32(field_parameters[header + 4u].x);\n    let q = (p - \
+        "fn shape_grid_cell(header: u32, p: vec3f) -> GridCell {{\n    let corner = field_vector(header);\n    let roots = \
+         vec3u(field_vector(header + 1u).xyz);\n    let cells = u32(field_vector(header + 4u).x);\n    let q = (p - \
          corner.xyz) * (1.0 / corner.w);\n    let count = vec3f(roots << vec3u({BITS}u));\n    let inside = all(q >= \
          vec3f(0.0)) && all(q < count);\n    let place = vec3u(clamp(q, vec3f(0.0), count - 1.0));\n    var shift = {BITS}u;\n    \
          var offset = place >> vec3u(shift);\n    var index = cells + 2u * ((offset.z * roots.y + offset.y) * roots.x + offset.x);\n    var \
-         entry = field_parameters[index];\n"
+         entry = field_vector(index);\n"
     );
     let mut shift = BITS;
     for bits in SPLITS {
@@ -283,12 +283,12 @@ fn find() -> String {
             text,
             "    if entry.x == 0.0 {{\n        shift = {shift}u;\n        offset = (place >> vec3u(shift)) & vec3u({mask}u);\n        \
              index = cells + 2u * (u32(entry.y) + (((offset.z << {bits}u) + offset.y) << {bits}u) + offset.x);\n        entry = \
-             field_parameters[index];\n    }}"
+             field_vector(index);\n    }}"
         )
         .expect("writing to a string");
     }
     text + "    let edge = corner.w * f32(1u << shift);\n    let centre = corner.xyz + (vec3f(place >> vec3u(shift)) + 0.5) * edge;\n    \
-            return GridCell(entry, field_parameters[index + 1u], centre, inside);\n}\n"
+            return GridCell(entry, field_vector(index + 1u), centre, inside);\n}\n"
 }
 
 fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) -> String {
@@ -306,8 +306,8 @@ fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) ->
     let far_field =
         if shape_grid.separate { "far_field" } else { "select(far_field, -far_field, cell.far_field.w < 0.0)" };
     let numbers = format!(
-        "    let width = field_parameters[{}].w;\n    let steps = field_parameters[{}].w;\n    let lists = \
-         u32(field_parameters[{}].y);\n    let cell = shape_grid_cell({header}u, p);\n",
+        "    let width = field_vector({}).w;\n    let steps = field_vector({}).w;\n    let lists = \
+         u32(field_vector({}).y);\n    let cell = shape_grid_cell({header}u, p);\n",
         header + 2,
         header + 3,
         header + 4
@@ -317,10 +317,10 @@ fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) ->
     let distance = format!(
         "/// Distance to shape grid {number}: exact near its surface, elsewhere a bound or, on request, an estimate.\n\
          fn shape_grid_{number}_distance(p: vec3f, estimate: bool) -> f32 {{\n{numbers}    let bounded = abs(cell.far_field.w) - \
-         field_parameters[{lipschitz}].z * length(p - cell.centre);\n    let far_field = select(max(bounded, 0.0), length(p - \
-         cell.far_field.xyz), estimate);\n    let beyond = max(max(field_parameters[{least}].xyz - p, p - \
-         field_parameters[{most}].xyz), vec3f(0.0));\n    let outside = !cell.inside && !estimate;\n    var result = \
-         select({far_field}, length(beyond) - field_parameters[{lipschitz}].w, outside);\n    let start = \
+         field_vector({lipschitz}).z * length(p - cell.centre);\n    let far_field = select(max(bounded, 0.0), length(p - \
+         cell.far_field.xyz), estimate);\n    let beyond = max(max(field_vector({least}).xyz - p, p - \
+         field_vector({most}).xyz), vec3f(0.0));\n    let outside = !cell.inside && !estimate;\n    var result = \
+         select({far_field}, length(beyond) - field_vector({lipschitz}).w, outside);\n    let start = \
          u32(cell.entry.y);\n    let count = select(0u, u32(cell.entry.z), cell.entry.x == 1.0 && !outside);\n    for (var k \
          = 0u; k < count; k++) {{\n{listed}        {declared} d = record_distance(record, p);\n{codes}        result = \
          select({combined}, {signed}, k == 0u);\n    }}\n{outside}    return result;\n}}\n",
@@ -353,8 +353,8 @@ fn shape_grid_functions(number: usize, shape_grid: &ShapeGrid, header: usize) ->
          u32) -> Surface {{\n{numbers}    let away = p - cell.far_field.xyz;\n    let value = select(length(away), -length(away), \
          cell.far_field.w < 0.0);\n    var result = vec4f(away / value, value);\n    var leaf = u32(cell.entry.y);\n    let start = \
          leaf;\n    let count = select(0u, u32(cell.entry.z), cell.entry.x == 1.0);\n    for (var k = 0u; k < count; k++) \
-         {{\n{listed}        {declared} d = record_gradient(record, p);\n        {declared} chosen = field_parameters[record + \
-         2u].w;\n        {declared} other = u32(field_parameters[record + 3u].w);\n{codes}{shown}        leaf = select(leaf, \
+         {{\n{listed}        {declared} d = record_gradient(record, p);\n        {declared} chosen = field_vector(record + \
+         2u).w;\n        {declared} other = u32(field_vector(record + 3u).w);\n{codes}{shown}        leaf = select(leaf, \
          other, shows);\n    }}\n{outside}    return Surface(result.xyz, result.w, leaf, NO_TRIANGLE);\n}}\n",
         declared = code.declared(),
         codes = code.surfaces(),
@@ -379,11 +379,11 @@ impl CodeMembers {
     /// Prints the record of the member `start + k` of the lists; of code, any record.
     fn listed(&self) -> String {
         let place = "        let place = start + k;\n";
-        let listed = "field_parameters[lists + (place >> 2u)][place & 3u]";
+        let listed = "field_vector(lists + (place >> 2u))[place & 3u]";
         match self.count {
             0 => format!("{place}        let record = u32({listed});\n"),
             _ => format!(
-                "{place}        let listed = {listed};\n        let record = u32(select(listed, field_parameters[{}].w, \
+                "{place}        let listed = {listed};\n        let record = u32(select(listed, field_vector({}).w, \
                  listed < 0.0));\n",
                 self.header + 1
             ),

@@ -51,7 +51,7 @@ impl Composer<'_> {
         if !self.field.bvh().nodes.is_empty() {
             text += &skipped_if("hit_id < BVH || hit_id == SPHERE_TRACED");
             text += "    let record = hit_id - BVH;\n    nearest = record_gradient(record, p);\n    leaf = \
-                     u32(field_parameters[record + 3u].w);\n";
+                     u32(field_vector(record + 3u).w);\n";
             text += END_SKIPPED;
         }
         if self.field.has_triangles() {

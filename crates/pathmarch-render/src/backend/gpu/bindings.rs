@@ -1,4 +1,4 @@
-//! Bindings of the kernel; uniform or storage memory for each buffer.
+//! Bindings of the kernel, and the memory of each.
 //!
 //! A GPU reads uniform memory as fast as registers if all of its threads read the same address; storage memory suits reads of
 //! different addresses. A software adapter (Mesa's llvmpipe) has other costs. In a branch, a read of storage memory is a loop
@@ -11,7 +11,9 @@
 //! picture, the numbers of the field, of the frame and of [short tables](super::tables) are therefore constants, which its
 //! compiler also folds: cornell-box 5.3 to 2.3 s, closed-metal-room 9.7 to 6.3 s for 64 samples at 480x270.
 
+use super::device::KernelTarget;
 use super::encode::LightRecord;
+use super::table_memory::{Element, Memory, film_declaration, texture_length};
 use super::tables::TableReaders;
 use crate::backend::RenderInput;
 use crate::scene::{FrameUniforms, LeafRecord, LightNode, MaterialRecord};
@@ -46,8 +48,8 @@ const UNIFORM_BYTES: usize = 1 << 16;
 
 /// Memory of each buffer of a kernel.
 pub(crate) struct Bindings {
-    /// Declared size of each uniform buffer, bytes; 0 for storage buffers. Indexed by binding.
-    uniform: [usize; BINDINGS as usize],
+    /// Memory of each buffer. Indexed by binding.
+    memory: [Memory; BINDINGS as usize],
     software: bool,
     /// True if the adapter may end the loops of this kernel, see [`super::loop_limit`].
     pub(super) loops_are_limited: bool,
@@ -72,17 +74,33 @@ impl Constants {
         }
         let vectors = program.parameters.iter().map(|[x, y, z, w]| format!("vec4f({x:?}, {y:?}, {z:?}, {w:?})"));
         let vectors: Vec<_> = vectors.collect();
-        Some(Self {
-            parameters: format!("{}({})", program.parameters_type(), vectors.join(", ")),
-            frame: wgsl::value(&input.frame)?,
-        })
+        Some(Self { parameters: vectors.join(", "), frame: wgsl::value(&input.frame)? })
     }
 }
 
 impl Bindings {
-    pub(super) fn new(input: &RenderInput, program: &Program, software: bool) -> Self {
-        let mut uniform = [0; BINDINGS as usize];
-        uniform[PARAMETERS as usize] = if program.is_uniform() { 16 * program.parameters.len() } else { 0 };
+    pub(super) fn new(input: &RenderInput, program: &Program, target: KernelTarget) -> Self {
+        let software = target.is_software;
+        let mut memory = [Memory::Storage; BINDINGS as usize];
+        let loops_are_limited = software && input.scene.field.has_loops();
+        // Paths that are resumed do not keep the state of the recorder.
+        let has_guides = input.records_guides() && !loops_are_limited;
+        if target.has_textures {
+            let mut put = |binding: u32, fits: bool| {
+                if fits {
+                    memory[binding as usize] = Memory::Texture;
+                }
+            };
+            put(PARAMETERS, true);
+            put(SCENE_DATA, true);
+            // Photons are written to it for every sample.
+            put(VECTORS, input.light_paths().is_none());
+            // Reconstruction reads the film as a buffer.
+            put(FILM, !has_guides);
+        }
+        if program.is_uniform() {
+            memory[PARAMETERS as usize] = Memory::Uniform(16 * program.parameters.len());
+        }
         if software {
             let tables = [
                 (LEAVES, input.scene.leaves.len(), size_of::<LeafRecord>()),
@@ -93,18 +111,16 @@ impl Bindings {
             for (binding, count, size) in tables {
                 // A power of two, so that a few more records do not change the code.
                 let bytes = count.next_power_of_two() * size;
-                uniform[binding as usize] =
-                    if bytes <= UNIFORM_BYTES && (count > 0 || binding != LIGHT_TREE) { bytes } else { 0 };
+                if bytes <= UNIFORM_BYTES && (count > 0 || binding != LIGHT_TREE) {
+                    memory[binding as usize] = Memory::Uniform(bytes);
+                }
             }
         } else {
-            uniform[FRAME as usize] = size_of::<FrameUniforms>();
+            memory[FRAME as usize] = Memory::Uniform(size_of::<FrameUniforms>());
         }
-        let loops_are_limited = software && input.scene.field.has_loops();
-        // Paths that are resumed do not keep the state of the recorder.
-        let has_guides = input.records_guides() && !loops_are_limited;
         let constants = if software && input.config.constant_numbers { Constants::new(input, program) } else { None };
         let readers = TableReaders::new(&input.scene, constants.is_some());
-        Self { uniform, software, loops_are_limited, has_guides, readers, constants }
+        Self { memory, software, loops_are_limited, has_guides, readers, constants }
     }
 
     /// Binding numbers of the kernel.
@@ -128,14 +144,25 @@ impl Bindings {
 
     /// True if a buffer is in uniform memory.
     pub(crate) fn is_uniform(&self, binding: u32) -> bool {
-        self.uniform[binding as usize] > 0
+        matches!(self.memory[binding as usize], Memory::Uniform(_))
+    }
+
+    /// Memory of a buffer.
+    pub(super) fn memory(&self, binding: u32) -> Memory {
+        self.memory[binding as usize]
+    }
+
+    /// Element of a table in a texture; `None` for buffers.
+    pub(super) fn texel(&self, binding: u32) -> Option<Element> {
+        let element = if binding == SCENE_DATA { Element::Word } else { Element::Vector };
+        (self.memory(binding) == Memory::Texture).then_some(element)
     }
 
     /// Size of the buffer for `contents` bytes.
     pub(super) fn bytes(&self, binding: u32, contents: usize) -> usize {
-        match self.uniform[binding as usize] {
-            0 => contents.max(256),
-            declared => declared,
+        match self.memory(binding) {
+            Memory::Uniform(declared) => declared,
+            _ => contents.max(256),
         }
     }
 
@@ -146,9 +173,9 @@ impl Bindings {
             format!("@group(0) @binding({binding}) var<{space}> {name}: {kind};\n")
         };
         let array = |binding: u32, name: &str, record: &str, size: usize| {
-            let kind = match self.uniform[binding as usize] {
-                0 => format!("array<{record}>"),
-                bytes => format!("array<{record}, {}>", bytes / size),
+            let kind = match self.memory(binding) {
+                Memory::Uniform(bytes) => format!("array<{record}, {}>", bytes / size),
+                _ => format!("array<{record}>"),
             };
             table(binding, name, &kind)
         };
@@ -157,9 +184,7 @@ impl Bindings {
             (Some(Constants { parameters, frame }), _) => {
                 let constant =
                     |name: &str, kind: &str, value: &str| format!("var<private> {name}: {kind} = {value};\n");
-                constant("frame", "Frame", frame)
-                    + &constant("field_parameters", &program.parameters_type(), parameters)
-                    + "\nfn load_frame() {}\n\n"
+                constant("frame", "Frame", frame) + &program.constants(parameters) + "\nfn load_frame() {}\n\n"
             }
             (None, true) => {
                 table(FRAME, "stored_frame", "Frame")
@@ -168,8 +193,18 @@ impl Bindings {
             (None, false) => table(FRAME, "frame", "Frame") + "\nfn load_frame() {}\n\n",
         };
         if self.constants.is_none() {
-            text += &table(PARAMETERS, "field_parameters", &program.parameters_type());
+            text += &match self.memory(PARAMETERS) {
+                Memory::Uniform(_) => program.declaration(&format!("@group(0) @binding({PARAMETERS}) var<uniform>")),
+                Memory::Storage => program.declaration(&format!("@group(0) @binding({PARAMETERS}) var<storage, read>")),
+                Memory::Texture => {
+                    Element::Vector.declaration(Memory::Texture, PARAMETERS, "field_parameters", "field_vector")
+                        + &texture_length("field_parameters", "field_vector_count")
+                }
+            };
         }
+        text += &film_declaration(self.memory(FILM), FILM);
+        text += &Element::Word.declaration(self.memory(SCENE_DATA), SCENE_DATA, "scene_data", "scene_word");
+        text += &Element::Vector.declaration(self.memory(VECTORS), VECTORS, "scene_vectors", "scene_vector");
         text += &array(LEAVES, "leaves", "LeafRecord", size_of::<LeafRecord>());
         text += &array(MATERIALS, "materials", "Material", size_of::<MaterialRecord>());
         text += &self.readers.objects;

@@ -40,7 +40,7 @@ pub(super) fn program(input: &RenderInput, software: bool) -> Program {
 const MESH_WORD: &str = "\
 /// Word of the meshes.
 fn mesh_word(index: u32) -> u32 {
-    return scene_data[MESH_DATA + index];
+    return scene_word(MESH_DATA + index);
 }
 
 ";

@@ -17,11 +17,43 @@ fn keep(failure: &Mutex<Option<String>>, message: String) {
     }
 }
 
+/// Kind of adapter that a kernel is composed for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) struct KernelTarget {
+    /// True for an adapter that runs on the CPU.
+    pub(crate) is_software: bool,
+    /// True for software whose kernels read and write textures of 32-bit numbers.
+    pub(crate) has_textures: bool,
+}
+
+impl KernelTarget {
+    /// A GPU, or Mesa's software Vulkan.
+    pub(crate) const fn new(is_software: bool) -> Self {
+        Self { is_software, has_textures: is_software }
+    }
+
+    fn of(adapter: &wgpu::Adapter, description: &AdapterDescription) -> Self {
+        if description.kind != SOFTWARE {
+            return Self::new(false);
+        }
+        let flags = |format| adapter.get_texture_format_features(format).flags;
+        let has_features = adapter.features().contains(FORMAT_FEATURES);
+        let writes =
+            flags(wgpu::TextureFormat::Rgba32Float).contains(wgpu::TextureFormatFeatureFlags::STORAGE_READ_WRITE);
+        let reads = flags(wgpu::TextureFormat::R32Uint).contains(wgpu::TextureFormatFeatureFlags::STORAGE_READ_ONLY);
+        Self { is_software: true, has_textures: has_features && reads && writes }
+    }
+}
+
+/// Feature of adapters that read and write textures beyond what WebGPU guarantees.
+const FORMAT_FEATURES: wgpu::Features = wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
+
 /// Opened adapter.
 pub(crate) struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(crate) description: AdapterDescription,
+    pub(super) target: KernelTarget,
     /// First error that the device reported outside of any call.
     failure: Arc<Mutex<Option<String>>>,
 }
@@ -64,10 +96,13 @@ impl Device {
 
     async fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, RenderError> {
         let description = describe(adapter);
+        let target = KernelTarget::of(adapter, &description);
+        // Timestamps are for `GpuTimer`.
+        let mut features = wgpu::Features::TIMESTAMP_QUERY;
+        features.set(FORMAT_FEATURES, target.has_textures);
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pathmarch"),
-            // Timestamps are for `GpuTimer`.
-            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_features: adapter.features() & features,
             required_limits: adapter.limits(),
             ..Default::default()
         });
@@ -83,12 +118,12 @@ impl Device {
                 keep(&slot, format!("the device was lost: {message}"));
             }
         });
-        Ok(Self { device, queue, description, failure })
+        Ok(Self { device, queue, description, target, failure })
     }
 
     /// True if the adapter is software, which runs on the CPU.
     pub(crate) fn is_software(&self) -> bool {
-        self.description.kind == SOFTWARE
+        self.target.is_software
     }
 
     /// Time after which a submission counts as hung.

@@ -4,6 +4,7 @@ use super::bindings;
 use super::device::Device;
 use super::kernel_cache::Kernel;
 use super::slice::{MAX_GROUPS_ACROSS, Slice};
+use super::table_memory::Table;
 use crate::error::RenderError;
 use crate::integrator::emitter_coverage::COVERAGES_PER_GROUP;
 use std::sync::Arc;
@@ -11,8 +12,8 @@ use std::sync::Arc;
 /// Kernel for coverages, with the buffers that it shares with the kernel of the samples.
 pub(super) struct CoveragePass {
     pub(super) kernel: Arc<Kernel>,
-    /// All buffers but the film, by their bindings.
-    pub(super) buffers: Vec<(u32, wgpu::Buffer)>,
+    /// All tables, by their bindings.
+    pub(super) tables: Vec<(u32, Table)>,
     pub(super) slices: wgpu::Buffer,
     /// Coverages of the last picture.
     pub(super) coverages: Option<Coverages>,
@@ -76,7 +77,7 @@ impl CoveragePass {
             entry(bindings::SLICE, wgpu::BindingResource::Buffer(slice)),
             entry(bindings::FILM, buffer.as_entire_binding()),
         ];
-        entries.extend(self.buffers.iter().map(|(binding, buffer)| entry(*binding, buffer.as_entire_binding())));
+        entries.extend(self.tables.iter().map(|(binding, table)| entry(*binding, table.resource())));
         let bindings = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("coverage"),
             layout: &self.kernel.layout,

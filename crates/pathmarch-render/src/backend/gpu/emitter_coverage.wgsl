@@ -53,6 +53,6 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
             sum += select(vec4f(0.0), vec4f(kept(seen.xyz).xyz, 1.0), seen.w > 0.0);
         }
         let within = vec4f(0.0, 0.0, 0.0, FULL_COVERAGE);
-        film[pixel] = select(sum / f32(COVERAGE_RAYS), within, place == WITHIN_EMITTERS);
+        store_film(pixel, select(sum / f32(COVERAGE_RAYS), within, place == WITHIN_EMITTERS));
     }
 }

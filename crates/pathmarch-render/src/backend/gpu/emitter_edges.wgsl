@@ -10,7 +10,7 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
     load_frame();
     let edge = EDGES_PER_GROUP * (group.y * MAX_GROUPS_ACROSS + group.x) + lane / RAYS_PER_EDGE;
     let exists = edge < slice.edges;
-    let pixel = select(0u, scene_data[EDGE_DATA + slice.first_edge + min(edge, slice.edges - 1u)], exists);
+    let pixel = select(0u, scene_word(EDGE_DATA + slice.first_edge + min(edge, slice.edges - 1u)), exists);
     let x = pixel % frame.width;
     let y = pixel / frame.width;
     let is_inside = exists && x >= slice.first_column && x < slice.first_column + slice.columns;
@@ -33,7 +33,7 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
         let difference = f32(slice.samples) * (sum / f32(EDGE_RAYS) - emissions[lane + EDGE_RAYS]);
         // The film rejects samples that are not finite. Comparisons with NaN are false.
         if all(abs(difference) < vec3f(1e30)) {
-            film[pixel] += vec4f(difference, 0.0);
+            store_film(pixel, film_sum(pixel) + vec4f(difference, 0.0));
         }
     }
 }

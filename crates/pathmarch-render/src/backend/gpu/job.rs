@@ -13,6 +13,7 @@ use super::encode::LightRecord;
 use super::kernel_cache::{Kernel, KernelSource};
 use super::loop_limit::{self, SuspendedPaths};
 use super::slice::{BAND, MAX_GROUPS_ACROSS, Progress, Slice};
+use super::table_memory::{FilmMemory, Table};
 use super::timer::GpuTimer;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
@@ -54,7 +55,7 @@ pub(crate) struct GpuJob {
     frame_is_constant: bool,
     slices: wgpu::Buffer,
     slice_stride: u32,
-    film: wgpu::Buffer,
+    film: FilmMemory,
     /// Guides, if they are recorded.
     guides: Option<wgpu::Buffer>,
     /// Photon maps, with traced caustics.
@@ -199,8 +200,8 @@ impl GpuJob {
         let out_of_memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
         let copied = wgpu::BufferUsages::COPY_DST;
+        let bindings = &source.bindings;
         let constant = |binding, label, contents: &[u8]| {
-            let bindings = &source.bindings;
             // A binding must not be empty or smaller than its declaration.
             let size = bindings.bytes(binding, contents.len()) as u64;
             let kind = if bindings.is_uniform(binding) { uniform } else { storage };
@@ -210,6 +211,13 @@ impl GpuJob {
             device.queue.write_buffer(&buffer, 0, contents);
             buffer
         };
+        let table = |(binding, label, contents)| {
+            let table = match bindings.texel(binding) {
+                Some(element) => Table::texture(&device, label, element, contents),
+                None => Table::Buffer(constant(binding, label, contents)),
+            };
+            (binding, table)
+        };
         let slice_stride =
             (size_of::<Slice>() as u32).next_multiple_of(gpu.limits().min_uniform_buffer_offset_alignment);
         let slices = gpu.create_buffer(&wgpu::BufferDescriptor {
@@ -218,12 +226,8 @@ impl GpuJob {
             usage: uniform | copied,
             mapped_at_creation: false,
         });
-        let film = gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("film"),
-            size: film_bytes(size),
-            usage: storage | copied | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let film = FilmMemory::new(&device, source.bindings.memory(bindings::FILM), film_bytes(size));
+        let film_table = film.table();
         let guide_bytes = 4 * film_bytes(size);
         let limits = gpu.limits();
         let guides_fit = guide_bytes <= limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
@@ -249,7 +253,7 @@ impl GpuJob {
             (bindings::SCENE_DATA, "scene data", bytemuck::cast_slice(&source.data.words)),
             (bindings::VECTORS, "vectors", &vectors[..]),
         ]
-        .map(|(binding, label, contents)| (binding, constant(binding, label, contents)));
+        .map(table);
         let light_tree = input.light_tree().filter(|_| source.bindings.is_uniform(bindings::LIGHT_TREE));
         let light_tree =
             light_tree.map(|tree| constant(bindings::LIGHT_TREE, "light tree", bytemuck::cast_slice(&tree.nodes)));
@@ -260,9 +264,9 @@ impl GpuJob {
         let mut entries = vec![
             entry(bindings::FRAME, frame.as_entire_binding()),
             entry(bindings::SLICE, wgpu::BindingResource::Buffer(slice)),
-            entry(bindings::FILM, film.as_entire_binding()),
+            entry(bindings::FILM, film_table.resource()),
         ];
-        entries.extend(tables.iter().map(|(binding, table)| entry(*binding, table.as_entire_binding())));
+        entries.extend(tables.iter().map(|(binding, table)| entry(*binding, table.resource())));
         entries.extend(light_tree.iter().map(|nodes| entry(bindings::LIGHT_TREE, nodes.as_entire_binding())));
         entries.extend(guides.iter().map(|guides| entry(bindings::GUIDES, guides.as_entire_binding())));
         let suspended = match source.bindings.loops_are_limited {
@@ -279,8 +283,10 @@ impl GpuJob {
         for scope in [out_of_memory, validation] {
             device.end_scope(scope)?;
         }
-        let vectors =
-            tables.iter().find(|(binding, _)| *binding == bindings::VECTORS).map(|(_, buffer)| buffer.clone());
+        let vectors = tables.iter().find_map(|(binding, table)| match table {
+            Table::Buffer(buffer) if *binding == bindings::VECTORS => Some(buffer.clone()),
+            _ => None,
+        });
         let photons = vectors.filter(|_| photon_bytes > 0).map(|buffer| Photons {
             input: input.clone(),
             buffer,
@@ -288,12 +294,13 @@ impl GpuJob {
             capacity: photon_bytes,
         });
         let coverage = coverage_kernel.map(|kernel| {
-            let mut buffers = vec![(bindings::FRAME, frame.clone())];
-            buffers.extend(tables.iter().cloned());
-            buffers.extend(light_tree.clone().map(|nodes| (bindings::LIGHT_TREE, nodes)));
-            buffers.extend(guides.clone().map(|guides| (bindings::GUIDES, guides)));
-            buffers.retain(|(binding, _)| used.contains(binding));
-            CoveragePass { kernel, buffers, slices: slices.clone(), coverages: None }
+            let buffer = |binding| move |buffer| (binding, Table::Buffer(buffer));
+            let mut tables = tables.to_vec();
+            tables.push(buffer(bindings::FRAME)(frame.clone()));
+            tables.extend(light_tree.clone().map(buffer(bindings::LIGHT_TREE)));
+            tables.extend(guides.clone().map(buffer(bindings::GUIDES)));
+            tables.retain(|(binding, _)| used.contains(binding));
+            CoveragePass { kernel, tables, slices: slices.clone(), coverages: None }
         });
         let may_resume = input.mode.traces_paths() && input.config.splitting == 1;
         let mut job = Self {
@@ -341,7 +348,7 @@ impl GpuJob {
     /// Starts again with another frame of the same scene. Returns false if that needs a new job.
     pub(crate) fn reframe(&mut self, frame: &FrameUniforms, first_sample: u32) -> Result<bool, RenderError> {
         let size = frame.size();
-        if film_bytes(size) > self.film.size() || self.frame_is_constant {
+        if film_bytes(size) > self.film.buffer.size() || self.frame_is_constant {
             return Ok(false);
         }
         if let Some(photons) = &mut self.photons {
@@ -359,7 +366,7 @@ impl GpuJob {
         self.device.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         let mut encoder =
             self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("clear") });
-        encoder.clear_buffer(&self.film, 0, Some(film_bytes(size)));
+        self.film.clear(&mut encoder, film_bytes(size));
         self.device.queue.submit([encoder.finish()]);
         Ok(true)
     }
@@ -369,10 +376,10 @@ impl GpuJob {
         self.wait()?;
         let pass = self.device.display();
         if self.display_buffers.is_none() {
-            self.display_buffers = Some(pass.buffers(&self.device, &self.film)?);
+            self.display_buffers = Some(pass.buffers(&self.device, &self.film.buffer)?);
         }
         let Some(buffers) = &self.display_buffers else { return Ok(Vec::new()) };
-        pass.show(&self.device, buffers, self.size, self.submitted, display, mode)
+        pass.show(&self.device, &self.film, buffers, self.size, self.submitted, display, mode)
     }
 
     /// Film so far, if its guides are recorded; with coverages for a picture of this size, if one is given. Waits for all
@@ -388,7 +395,7 @@ impl GpuJob {
             _ => None,
         };
         let Progress { samples, begun, row, column } = self.submitted;
-        let (device, film) = (&self.device, &self.film);
+        let (device, film) = (&self.device, &self.film.buffer);
         let of = |guides| ReconstructedFilm { device, film, guides, coverages, samples, begun, row, column };
         Ok(self.guides.as_ref().map(of))
     }
@@ -681,9 +688,10 @@ impl GpuJob {
         };
         let gpu = &self.device.device;
         let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("film copy") });
-        encoder.copy_buffer_to_buffer(&self.film, start, &buffer, 0, bytes);
+        self.film.update(&mut encoder);
+        encoder.copy_buffer_to_buffer(&self.film.buffer, start, &buffer, 0, bytes);
         if clear {
-            encoder.clear_buffer(&self.film, 0, Some(film_bytes(self.size)));
+            self.film.clear(&mut encoder, film_bytes(self.size));
         }
         let submission = self.device.queue.submit([encoder.finish()]);
         Ok(FilmCopy { buffer, bytes, submission, samples: self.submitted.samples })

@@ -2,7 +2,7 @@
 
 use super::bindings::{self, Bindings};
 use super::compose::{KernelKind, kernel, program};
-use super::device::Device;
+use super::device::{Device, KernelTarget};
 use super::encode::SceneData;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
@@ -31,14 +31,14 @@ pub(crate) struct KernelSource {
 impl KernelSource {
     /// Composes the kernel for a device.
     pub(crate) fn new(input: &RenderInput, device: &Device) -> Self {
-        Self::for_adapter(input, device.is_software())
+        Self::for_target(input, device.target)
     }
 
-    /// Composes the kernel for a software adapter or for a GPU.
-    pub(crate) fn for_adapter(input: &RenderInput, software: bool) -> Self {
-        let program = program(input, software);
+    /// Composes the kernel for a kind of adapter.
+    pub(crate) fn for_target(input: &RenderInput, target: KernelTarget) -> Self {
+        let program = program(input, target.is_software);
         let trusted = input.scene.field.leaves().iter().all(|leaf| leaf.shape.is_trusted());
-        let bindings = Bindings::new(input, &program, software);
+        let bindings = Bindings::new(input, &program, target);
         let stored_tree = input.light_tree().filter(|_| !bindings.is_uniform(bindings::LIGHT_TREE));
         let data = SceneData::new(input, &program, stored_tree);
         let source = |kind| kernel(kind, input, &program, &bindings, &data);
@@ -145,17 +145,23 @@ fn bind_group_layout(gpu: &wgpu::Device, bindings: &Bindings) -> wgpu::BindGroup
         .map(|binding| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: match binding {
-                    bindings::SLICE => wgpu::BufferBindingType::Uniform,
-                    bindings::FILM | bindings::SUSPENDED | bindings::GUIDES => {
-                        wgpu::BufferBindingType::Storage { read_only: false }
-                    }
-                    _ if bindings.is_uniform(binding) => wgpu::BufferBindingType::Uniform,
-                    _ => wgpu::BufferBindingType::Storage { read_only: true },
+            ty: match bindings.texel(binding) {
+                Some(element) => element.binding_type(match binding {
+                    bindings::FILM => wgpu::StorageTextureAccess::ReadWrite,
+                    _ => wgpu::StorageTextureAccess::ReadOnly,
+                }),
+                None => wgpu::BindingType::Buffer {
+                    ty: match binding {
+                        bindings::SLICE => wgpu::BufferBindingType::Uniform,
+                        bindings::FILM | bindings::SUSPENDED | bindings::GUIDES => {
+                            wgpu::BufferBindingType::Storage { read_only: false }
+                        }
+                        _ if bindings.is_uniform(binding) => wgpu::BufferBindingType::Uniform,
+                        _ => wgpu::BufferBindingType::Storage { read_only: true },
+                    },
+                    has_dynamic_offset: binding == bindings::SLICE,
+                    min_binding_size: None,
                 },
-                has_dynamic_offset: binding == bindings::SLICE,
-                min_binding_size: None,
             },
             count: None,
         })

@@ -6,7 +6,7 @@
 //! and of single features are not translated, as those of sets are. If `spirv-val` (SPIRV-Tools) is installed, it checks
 //! the SPIR-V.
 
-use super::KernelSource;
+use super::{KernelSource, KernelTarget};
 use crate::backend::RenderInput;
 use crate::integrator::emitter_edges::EmitterEdges;
 use crate::integrator::sample_counts_choice::BestCounts;
@@ -223,17 +223,17 @@ fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) ->
         input.choose_path_reuse(&settings, settings.samples, &BestCounts::one(), 1.0);
         input.config.constant_numbers = true;
     }
-    let source = KernelSource::for_adapter(&input, software);
+    let source = KernelSource::for_target(&input, KernelTarget::new(software));
     let mut sources: Vec<String> = [Some(source.code), source.coverage].into_iter().flatten().collect();
     if !software && input.records_guides() && input.can_reuse_paths(&settings) {
         input.config.path_reuse = true;
-        sources.push(KernelSource::for_adapter(&input, software).code);
+        sources.push(KernelSource::for_target(&input, KernelTarget::new(software)).code);
     }
     if mode == Mode::Path && splitting.unwrap_or(1) == 1 && !input.config.media {
         let mut input = RenderInput::new(scene, &settings);
         (input.config.light_samples, input.config.indirect_samples) = (4, 2);
         input.edges = Some(Arc::new(EmitterEdges::at(8, vec![5, 12])));
-        let source = KernelSource::for_adapter(&input, software);
+        let source = KernelSource::for_target(&input, KernelTarget::new(software));
         sources.extend([Some(source.code), source.edges].into_iter().flatten());
     }
     sources

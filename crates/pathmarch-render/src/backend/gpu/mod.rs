@@ -15,13 +15,14 @@ mod kernel_tests;
 mod loop_limit;
 pub(crate) mod shaders;
 mod slice;
+mod table_memory;
 mod tables;
 mod timer;
 
 pub use adapter::{AdapterDescription, adapters};
 pub(crate) use bindings::{FRAME, LEAVES, LIGHT_TREE};
 pub(crate) use context::GpuContext;
-pub(crate) use device::Device;
+pub(crate) use device::{Device, KernelTarget};
 pub(crate) use job::{FilmCopy, GpuJob, LIVE, OFFLINE, ReconstructedFilm};
 pub(crate) use kernel_cache::KernelSource;
 pub(crate) use timer::GpuTimer;

@@ -11,5 +11,5 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
     }
     let y = slice.first_row + id.y;
     let pixel = y * frame.width + x;
-    film[pixel] = add_samples(film[pixel], x, y);
+    store_film(pixel, add_samples(film_sum(pixel), x, y));
 }

@@ -9,8 +9,8 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
     let y = slice.first_row + id.y;
     let is_inside = x < frame.width && id.y < slice.rows;
     let pixel = select(0u, y * frame.width + x, is_inside);
-    let sum = add_shared_samples(film[pixel], x, y, is_inside);
+    let sum = add_shared_samples(film_sum(pixel), x, y, is_inside);
     if is_inside {
-        film[pixel] = sum;
+        store_film(pixel, sum);
     }
 }
