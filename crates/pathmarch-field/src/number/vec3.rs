@@ -42,6 +42,11 @@ impl<N: Real> Vec3<N> {
     pub fn normalized(self) -> Self {
         self * (N::one() / self.length())
     }
+    /// Vector of length one in the direction of one whose length is one but for rounding: a step of Newton's method, which takes
+    /// no root and no division.
+    pub fn renormalized(self) -> Self {
+        self * (N::constant(1.5) - N::constant(0.5) * self.dot(self))
+    }
     /// Products of the components.
     pub fn times(self, other: Self) -> Self {
         Self::new(self.x * other.x, self.y * other.y, self.z * other.z)

@@ -12,7 +12,7 @@
 
 use crate::intersect::ray::Ray;
 use crate::sampling::ONE_MINUS_EPSILON;
-use crate::sampling::basis::basis;
+use crate::sampling::basis::{basis, renormalized};
 use crate::scene::light::{BoxLight, Light, LightShape, PointLight, SheetLight, SphereLight, SunLight, TrianglesLight};
 use crate::scene::mesh_light::PointOnMesh;
 use crate::scene::sky::EnvironmentSample;
@@ -248,7 +248,7 @@ pub(super) fn cone_direction(axis: Vec3, one_minus_cos: f32, position: [f32; 2])
     let one_minus_cos_theta = one_minus_cos * position[0];
     let sine = (one_minus_cos_theta * (2.0 - one_minus_cos_theta)).max(0.0).sqrt();
     let [cos_phi, sin_phi] = unit_circle(position[1]);
-    (basis(axis) * Vec3::new(sine * cos_phi, sine * sin_phi, 1.0 - one_minus_cos_theta)).normalize()
+    renormalized(basis(axis) * Vec3::new(sine * cos_phi, sine * sin_phi, 1.0 - one_minus_cos_theta))
 }
 
 /// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at

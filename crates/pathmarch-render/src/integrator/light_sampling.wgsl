@@ -49,12 +49,14 @@ fn sample_direction(light: Light, p: vec3f, position: vec2f) -> LightSample {
     let square = dot(offset, offset);
     if HAS_POINT && light.kind == POINT {
         let distance = sqrt(square);
-        return LightSample(offset / distance, distance, emission / square, 0.0, NO_TARGET, light.penumbra);
+        let inverse = 1.0 / distance;
+        return LightSample(offset * inverse, distance, emission * (inverse * inverse), 0.0, NO_TARGET, light.penumbra);
     }
     if HAS_SPOT && light.kind == SPOT {
         let distance = sqrt(square);
-        let direction = offset / distance;
-        let irradiance = emission * (spot_falloff(light, -direction) / square);
+        let inverse = 1.0 / distance;
+        let direction = offset * inverse;
+        let irradiance = emission * (spot_falloff(light, -direction) * inverse * inverse);
         return LightSample(direction, select(0.0, distance, any(irradiance > vec3f(0.0))), irradiance, 0.0, NO_TARGET, light.penumbra);
     }
     if HAS_SUN && light.kind == SUN {
@@ -72,14 +74,14 @@ fn sample_direction(light: Light, p: vec3f, position: vec2f) -> LightSample {
         let one_minus_cos = subtended_cone(square, light.radius);
         let axis = select(vec3f(0.0, 1.0, 0.0), offset * inverseSqrt(max(square, 1e-30)), square > 1e-30);
         let direction = cone_direction(axis, one_minus_cos, position);
-        let pdf = 1.0 / (6.2831853 * one_minus_cos);
+        let solid_angle = 6.2831853 * one_minus_cos;
         var distance = AT_INFINITY;
         var leaf = light.leaf;
         if HAS_SPHERE && light.kind == SPHERE {
             distance = sphere_entry(offset, direction, light.radius) * SHADOW_RAY_SHARE;
             leaf = NO_TARGET;
         }
-        return LightSample(direction, distance, emission / pdf, pdf * light.pmf, leaf, 0.0);
+        return LightSample(direction, distance, emission * solid_angle, light.pmf / solid_angle, leaf, 0.0);
     }
     if HAS_TRIANGLES && light.kind == TRIANGLES {
         return sample_mesh(light, p, position);
@@ -107,7 +109,7 @@ fn subtended_cone(square: f32, radius: f32) -> f32 {
 fn cone_direction(axis: vec3f, one_minus_cos: f32, position: vec2f) -> vec3f {
     let one_minus_cos_theta = one_minus_cos * position.x;
     let sine = sqrt(max(one_minus_cos_theta * (2.0 - one_minus_cos_theta), 0.0));
-    return normalize(basis(axis) * vec3f(sine * unit_circle(position.y), 1.0 - one_minus_cos_theta));
+    return renormalized(basis(axis) * vec3f(sine * unit_circle(position.y), 1.0 - one_minus_cos_theta));
 }
 
 /// Distance at which a ray enters a sphere with its centre at `offset`, metres. Inside the sphere, the distance at
@@ -163,14 +165,21 @@ fn sample_area(light: Light, p: vec3f, emission: vec3f, position: vec2f) -> Ligh
     let offset = point - p;
     let square = dot(offset, offset);
     let distance = sqrt(square);
-    let direction = offset / distance;
+    let direction = offset * (1.0 / distance);
     let signed_cosine = -dot(normal, direction);
     let cosine = select(signed_cosine, abs(signed_cosine), light.kind == BOX);
     if cosine <= 0.0 {
         return LightSample(direction, 0.0, vec3f(0.0), 0.0, NO_TARGET, 0.0);
     }
-    let pdf = square / (area * cosine);
-    return LightSample(direction, distance * SHADOW_RAY_SHARE, emission / pdf, pdf * light.pmf, NO_TARGET, 0.0);
+    let solid_angle = area * cosine / square;
+    return LightSample(
+        direction,
+        distance * SHADOW_RAY_SHARE,
+        emission * solid_angle,
+        light.pmf / solid_angle,
+        NO_TARGET,
+        0.0,
+    );
 }
 
 /// Area of a face of a box across each axis, zero where none is visible from `p`, and the area of all visible faces.

@@ -189,8 +189,7 @@ fn sample_spheres(
     let sine = (one_minus_cos_theta * (two - one_minus_cos_theta)).fast_max(zero).sqrt();
     let [cos_phi, sin_phi] = unit_circle(position[1]);
     let local = FieldVec3::new(sine * cos_phi, sine * sin_phi, one - one_minus_cos_theta);
-    let direction = Basis8::new(axis).to_world(local);
-    let direction = direction / direction.length();
+    let direction = Basis8::new(axis).to_world(local).renormalized();
     let along = offset.dot(direction);
     let across = offset - direction * along;
     let half_chord = (radius * radius - across.dot(across)).fast_max(zero).sqrt();

@@ -174,8 +174,7 @@ pub(super) fn shade_lanes<'a, B: BsdfInLanes>(
     }
 
     let scattered = bsdf.sample(parameters, wo, [u, v, lobe]);
-    let direction = basis.to_world(scattered.wi);
-    let direction = direction / direction.length();
+    let direction = basis.to_world(scattered.wi).renormalized();
     let goes_on = Mask8(scattered.wi.z.simd_gt(f32x8::ZERO)) & !crosses_surface(direction);
     let throughput = throughput.times(scattered.weight);
     let (throughput, survive) = roulette(throughput, inputs.index_square, choice[1], surface_index);

@@ -551,7 +551,7 @@ impl Packet {
         let parameters = parameters_of(ctx, surfaces, bits, &[None; 8], SmoothInLanes::PARAMETERS);
         let SmoothSampleInLanes { wi, weight, eta } =
             (smooth.sample)(&parameters, wo, mask_of(inputs.inside), inputs.lobe);
-        let direction = basis.to_world(wi).normalized();
+        let direction = basis.to_world(wi).renormalized();
         let transmitted = Mask8(wi.z.simd_lt(f32x8::ZERO));
         let throughput = self.throughput.times(weight);
         let index_square = self.index_square * (eta * eta);

@@ -19,7 +19,7 @@
 use super::light_sampling::{ChosenLight, choose_light_along};
 use super::medium::{UNBOUNDED_LENGTH, transmittance};
 use crate::intersect::ray::Ray;
-use crate::sampling::basis::basis;
+use crate::sampling::basis::{basis, renormalized};
 use crate::scene::{Medium, TraceContext};
 use crate::wgsl::shared_constants;
 use glam::Vec3;
@@ -89,7 +89,7 @@ pub(super) fn sample_phase(anisotropy: f32, incoming: Vec3, [u, v]: [f32; 2]) ->
     }
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
     let [cos_phi, sin_phi] = unit_circle(v);
-    (basis(incoming) * Vec3::new(sine * cos_phi, sine * sin_phi, cosine)).normalize()
+    renormalized(basis(incoming) * Vec3::new(sine * cos_phi, sine * sin_phi, cosine))
 }
 
 /// Probabilities of the channels, in proportion to what they carry.

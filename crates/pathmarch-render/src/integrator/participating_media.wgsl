@@ -155,7 +155,7 @@ fn sample_phase(anisotropy: f32, incoming: vec3f, u: vec2f) -> vec3f {
         cosine = clamp((1.0 + g * g - root * root) / (2.0 * g), -1.0, 1.0);
     }
     let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    return normalize(basis(incoming) * vec3f(sine * unit_circle(u.y), cosine));
+    return renormalized(basis(incoming) * vec3f(sine * unit_circle(u.y), cosine));
 }
 
 /// Probabilities of the channels, in proportion to what they carry.

@@ -35,7 +35,7 @@ use super::splitting::camera_ray_index;
 use super::surface_samples::{SurfaceSample, SurfaceSamples};
 use crate::intersect::march::march;
 use crate::intersect::ray::{Ray, RaySegment};
-use crate::sampling::basis::{basis, local_viewer};
+use crate::sampling::basis::{basis, local_viewer, renormalized};
 use crate::sampling::sobol::PixelSampler;
 use crate::scene::leaf::IN_GLASS;
 use crate::scene::material::{DELTA, EMITS, FOCUSES, GLOWS, TRANSMITS};
@@ -480,7 +480,7 @@ pub(super) fn shade(
     }
     let [u, v] = samples.scatter;
     let scattered = (bsdf.sample)(parameters, wo, inside, [u, v, lobe])?;
-    let direction = (world_from_local * scattered.wi).normalize();
+    let direction = renormalized(world_from_local * scattered.wi);
     if crosses_surface(scattered.wi, direction) {
         return None;
     }

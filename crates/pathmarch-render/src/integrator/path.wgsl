@@ -136,7 +136,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     if scattered.pdf < 0.0 {
         return false;
     }
-    let direction = normalize(world_from_local * scattered.wi);
+    let direction = renormalized(world_from_local * scattered.wi);
     if SHADING_NORMALS && (scattered.wi.z < 0.0) != (dot(direction, interaction.normal) < 0.0) {
         return false;
     }

@@ -104,8 +104,9 @@ fn arrive(path: ptr<function, Path>, hit: Hit) -> bool {
     (*path).surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, (*path).surfaces));
     let leaf = leaf_at((*path).surface_at_hit.leaf);
     let m = leaf.material;
+    // In front of the branch, so that compilers resolve surfaces that scatter only once.
+    let interaction = resolve_surface(hit_point, ray.direction, hit, (*path).surface_at_hit);
     if HAS_EMITTERS && (material_at(m).flags & EMITS) != 0u {
-        let interaction = resolve_surface(hit_point, ray.direction, hit, (*path).surface_at_hit);
         record_guide(interaction, (*path).throughput, (*path).length, (*path).surfaces, material_at(m).emission);
         add_emission(path, interaction, material_at(m).emission);
         return false;

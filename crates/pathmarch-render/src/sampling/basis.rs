@@ -15,6 +15,12 @@ pub(crate) fn basis(n: Vec3) -> Mat3 {
     Mat3::from_cols(tangent, Vec3::new(b, sign + n.y * n.y * a, -n.y), n)
 }
 
+/// Unit vector in the direction of one whose length is one but for rounding, as [`FieldVec3::renormalized`].
+#[inline]
+pub(crate) fn renormalized(v: Vec3) -> Vec3 {
+    v * (1.5 - 0.5 * v.length_squared())
+}
+
 /// [`basis`] of eight directions.
 pub(crate) struct Basis8 {
     tangent: FieldVec3<f32x8>,

@@ -23,9 +23,15 @@ pub(super) const MIN_ALPHA: f32 = 1e-3;
 /// Density of normals `h` over solid angle, projected: GGX.
 #[inline(always)]
 pub(super) fn distribution<N: Real>(h: impl Into<FieldVec3<N>>, alpha: N) -> N {
-    let h = h.into();
-    let slope = (h.x * h.x + h.y * h.y) / (alpha * alpha) + h.z * h.z;
-    N::one() / (N::constant(PI) * alpha * alpha * slope * slope)
+    let square = alpha * alpha;
+    square / inverse_distribution(h.into(), square)
+}
+
+/// Square of alpha, of which `square` is that, divided by the [density of normals](distribution).
+#[inline(always)]
+fn inverse_distribution<N: Real>(h: FieldVec3<N>, square: N) -> N {
+    let slope = h.x * h.x + h.y * h.y + square * h.z * h.z;
+    N::constant(PI) * slope * slope
 }
 
 /// Length of a direction stretched by alpha: Smith's Λ is (stretched/|z| - 1)/2.
@@ -51,8 +57,10 @@ pub(super) fn reflection<N: Real>(
 ) -> (N, N) {
     let (wo, wi, two) = (wo.into(), wi.into(), N::constant(2.0));
     let (o, i) = (stretched(wo, alpha), stretched(wi, alpha));
-    let d = distribution(h, alpha);
-    (d * wi.z / (two * (wi.z * o + wo.z * i)).max(N::constant(1e-20)), d / (two * (o + wo.z)))
+    let square = alpha * alpha;
+    let d = inverse_distribution(h.into(), square);
+    let value = wi.z / (d * (two * (wi.z * o + wo.z * i)).max(N::constant(1e-20)));
+    (square * value, square * (N::one() / (d * (two * (o + wo.z)))))
 }
 
 /// Share of what is reflected from a visible facet into `wi` that nothing shadows: the weight of a sample of a Fresnel factor

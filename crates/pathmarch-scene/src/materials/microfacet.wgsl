@@ -1,8 +1,14 @@
 // GGX with Smith's masking. Twin of microfacet.rs, which explains it.
 
 fn microfacet_distribution(h: vec3f, alpha: f32) -> f32 {
-    let slope = (h.x * h.x + h.y * h.y) / (alpha * alpha) + h.z * h.z;
-    return 1.0 / (3.14159265 * alpha * alpha * slope * slope);
+    let square = alpha * alpha;
+    return square / inverse_distribution(h, square);
+}
+
+/// Square of alpha, of which `square` is that, divided by the density of normals.
+fn inverse_distribution(h: vec3f, square: f32) -> f32 {
+    let slope = h.x * h.x + h.y * h.y + square * h.z * h.z;
+    return 3.14159265 * slope * slope;
 }
 
 fn stretched(w: vec3f, alpha: f32) -> f32 {
@@ -17,8 +23,9 @@ fn unhidden(w: vec3f, alpha: f32) -> f32 {
 fn microfacet_reflection(wo: vec3f, wi: vec3f, h: vec3f, alpha: f32) -> vec2f {
     let o = stretched(wo, alpha);
     let i = stretched(wi, alpha);
-    let d = microfacet_distribution(h, alpha);
-    return vec2f(d * wi.z / max(2.0 * (wi.z * o + wo.z * i), 1e-20), d / (2.0 * (o + wo.z)));
+    let square = alpha * alpha;
+    let d = inverse_distribution(h, square);
+    return square * vec2f(wi.z / (d * max(2.0 * (wi.z * o + wo.z * i), 1e-20)), 1.0 / (d * (2.0 * (o + wo.z))));
 }
 
 /// The weight of a sample of reflection with a Fresnel factor of one.
