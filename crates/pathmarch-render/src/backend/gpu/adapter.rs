@@ -1,6 +1,8 @@
 //! Graphics adapters of this machine.
 
-use super::bindings::STORAGE_BUFFERS;
+/// Largest number of storage buffers of a kernel: leaves, materials, lights, film, scene data, vectors, guides, and the
+/// parameters of a large field.
+const STORAGE_BUFFERS: u32 = 8;
 
 /// Kind of an adapter that runs on the CPU.
 pub(super) const SOFTWARE: &str = "software";

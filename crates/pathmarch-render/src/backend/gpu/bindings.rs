@@ -4,8 +4,8 @@
 //! different addresses. A software adapter (Mesa's llvmpipe) has other costs. In a branch, a read of storage memory is a loop
 //! over the lanes, and a read of uniform memory a plain load. But a branch that depends on uniforms alone makes llvmpipe
 //! recompile the kernel at every dispatch. On software adapters the kernel therefore reads the frame from storage once, before
-//! the first branch, and small tables are uniform. Measured on two cores: emitting-spheres 67 to 38 ms a sample at 480x270
-//! (docs/performance.md).
+//! the first branch, small tables are uniform, and others [textures](super::table_memory). Measured on two cores:
+//! emitting-spheres 67 to 38 ms a sample at 480x270 (docs/performance.md).
 //!
 //! Each read of a uniform costs llvmpipe about as much as the arithmetic of a shape with it. In a kernel for one long
 //! picture, the numbers of the field, of the frame and of [short tables](super::tables) are therefore constants, which its
@@ -16,6 +16,7 @@ use super::encode::LightRecord;
 use super::table_memory::{Element, Memory, film_declaration, texture_length};
 use super::tables::TableReaders;
 use crate::backend::RenderInput;
+use crate::mode::Mode;
 use crate::scene::{FrameUniforms, LeafRecord, LightNode, MaterialRecord};
 use crate::wgsl;
 use pathmarch_field::wgsl::Program;
@@ -39,9 +40,9 @@ pub(super) const GUIDES: u32 = 10;
 pub(crate) const LIGHT_TREE: u32 = 11;
 const BINDINGS: u32 = 12;
 
-/// Largest number of storage buffers of a kernel: leaves, materials, lights, film, scene data, vectors, guides, and the
-/// parameters of a large field.
-pub(crate) const STORAGE_BUFFERS: u32 = 8;
+/// Samples of a pixel in a dispatch of a long picture on a software adapter. The more, the less of them go to the film, and the
+/// later a dispatch ends.
+const SEVERAL_SAMPLES: u32 = 4;
 
 /// Size of a uniform binding that every adapter supports, bytes.
 const UNIFORM_BYTES: usize = 1 << 16;
@@ -55,6 +56,8 @@ pub(crate) struct Bindings {
     pub(super) loops_are_limited: bool,
     /// True if the kernel records guides.
     pub(super) has_guides: bool,
+    /// Largest number of samples of a pixel in a dispatch, each with a camera ray of its own.
+    pub(super) samples_per_dispatch: u32,
     readers: TableReaders,
     /// Numbers that the kernel contains; `None` if it reads them.
     constants: Option<Constants>,
@@ -119,8 +122,16 @@ impl Bindings {
             memory[FRAME as usize] = Memory::Uniform(size_of::<FrameUniforms>());
         }
         let constants = if software && input.config.constant_numbers { Constants::new(input, program) } else { None };
+        let config = &input.config;
+        let may_have_several = input.mode == Mode::Path
+            && constants.is_some()
+            && !(loops_are_limited || has_guides || config.path_reuse || config.traced_caustics)
+            && config.splitting == 1
+            && config.indirect_samples == 1
+            && input.edges.is_none();
+        let samples_per_dispatch = if may_have_several { SEVERAL_SAMPLES } else { 1 };
         let readers = TableReaders::new(&input.scene, constants.is_some());
-        Self { memory, software, loops_are_limited, has_guides, readers, constants }
+        Self { memory, software, loops_are_limited, has_guides, samples_per_dispatch, readers, constants }
     }
 
     /// Binding numbers of the kernel.

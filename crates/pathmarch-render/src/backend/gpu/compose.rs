@@ -177,6 +177,7 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "loop_check" if limited => "backend/gpu/loop_limit",
         "loop_check" => "backend/gpu/loops_unlimited",
         "slice" if splitting > 1 => "integrator/splitting",
+        "slice" if bindings.samples_per_dispatch > 1 => "integrator/several_samples",
         "slice" if limited && mode.traces_paths() => "backend/gpu/sample_resumed",
         "slice" => "backend/gpu/sample",
         _ => return None,

@@ -31,18 +31,14 @@ impl KernelTarget {
     pub(crate) const fn new(is_software: bool) -> Self {
         Self { is_software, has_textures: is_software }
     }
+}
 
-    fn of(adapter: &wgpu::Adapter, description: &AdapterDescription) -> Self {
-        if description.kind != SOFTWARE {
-            return Self::new(false);
-        }
-        let flags = |format| adapter.get_texture_format_features(format).flags;
-        let has_features = adapter.features().contains(FORMAT_FEATURES);
-        let writes =
-            flags(wgpu::TextureFormat::Rgba32Float).contains(wgpu::TextureFormatFeatureFlags::STORAGE_READ_WRITE);
-        let reads = flags(wgpu::TextureFormat::R32Uint).contains(wgpu::TextureFormatFeatureFlags::STORAGE_READ_ONLY);
-        Self { is_software: true, has_textures: has_features && reads && writes }
-    }
+/// True if kernels can read and write textures of 32-bit numbers on an adapter.
+fn has_textures(adapter: &wgpu::Adapter) -> bool {
+    let flags = |format| adapter.get_texture_format_features(format).flags;
+    let read = flags(wgpu::TextureFormat::R32Uint).contains(wgpu::TextureFormatFeatureFlags::STORAGE_READ_ONLY);
+    let written = flags(wgpu::TextureFormat::Rgba32Float).contains(wgpu::TextureFormatFeatureFlags::STORAGE_READ_WRITE);
+    adapter.features().contains(FORMAT_FEATURES) && read && written
 }
 
 /// Feature of adapters that read and write textures beyond what WebGPU guarantees.
@@ -53,7 +49,8 @@ pub(crate) struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(crate) description: AdapterDescription,
-    pub(super) target: KernelTarget,
+    /// True if kernels can read and write textures of 32-bit numbers.
+    has_textures: bool,
     /// First error that the device reported outside of any call.
     failure: Arc<Mutex<Option<String>>>,
 }
@@ -96,10 +93,11 @@ impl Device {
 
     async fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, RenderError> {
         let description = describe(adapter);
-        let target = KernelTarget::of(adapter, &description);
+        // GPUs read buffers as fast.
+        let has_textures = description.kind == SOFTWARE && has_textures(adapter);
         // Timestamps are for `GpuTimer`.
         let mut features = wgpu::Features::TIMESTAMP_QUERY;
-        features.set(FORMAT_FEATURES, target.has_textures);
+        features.set(FORMAT_FEATURES, has_textures);
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pathmarch"),
             required_features: adapter.features() & features,
@@ -118,12 +116,18 @@ impl Device {
                 keep(&slot, format!("the device was lost: {message}"));
             }
         });
-        Ok(Self { device, queue, description, target, failure })
+        Ok(Self { device, queue, description, has_textures, failure })
     }
 
     /// True if the adapter is software, which runs on the CPU.
     pub(crate) fn is_software(&self) -> bool {
-        self.target.is_software
+        self.description.kind == SOFTWARE
+    }
+
+    /// What kernels are composed for.
+    pub(super) fn kernel_target(&self) -> KernelTarget {
+        let is_software = self.is_software();
+        KernelTarget { is_software, has_textures: is_software && self.has_textures }
     }
 
     /// Time after which a submission counts as hung.

@@ -1,9 +1,8 @@
 //! Picture being rendered on the GPU.
 //!
-//! Each scene has its own kernel ([`super::compose`]). A dispatch computes one sample, or several that share a camera ray, of a
-//! band of rows. The job adapts the bands and the number of dispatches in a submission to a target time: weak adapters stay
-//! responsive, strong ones stay busy. Two submissions are in flight. The camera and the size of the picture may change without
-//! a new job.
+//! Each scene has its own kernel ([`super::compose`]). A dispatch computes one sample of a band of rows, or several. The job
+//! adapts the bands and the number of dispatches in a submission to a target time: weak adapters stay responsive, strong ones
+//! stay busy. Two submissions are in flight. The camera and the size of the picture may change without a new job.
 
 use super::GpuContext;
 use super::bindings;
@@ -76,8 +75,10 @@ pub(crate) struct GpuJob {
     target: Duration,
     /// Work of a submission of about that time: samples, summed over pixels.
     quota: f64,
-    /// Its `splitting` is the largest number of samples of a dispatch.
+    /// Its `splitting` is the largest number of samples that share a camera ray.
     config: KernelConfig,
+    /// Largest number of samples of a pixel in a dispatch that do not.
+    samples_per_dispatch: u32,
     /// Submissions in flight: index, work and time of submission.
     in_flight: VecDeque<(wgpu::SubmissionIndex, f64, Instant)>,
     last_completion: Instant,
@@ -327,6 +328,7 @@ impl GpuJob {
             target,
             quota: f64::from(BAND * 64),
             config: input.config,
+            samples_per_dispatch: source.bindings.samples_per_dispatch,
             in_flight: VecDeque::new(),
             last_completion: Instant::now(),
             timer: None,
@@ -468,7 +470,8 @@ impl GpuJob {
         let Progress { samples, row, column, .. } = self.submitted;
         let sample = self.first_sample + samples;
         if self.is_whole() {
-            self.submitted.begun = splitting::samples_sharing_ray(sample, self.config.splitting, upto - samples);
+            let sharing = splitting::samples_sharing_ray(sample, self.config.splitting, upto - samples);
+            self.submitted.begun = sharing.max(self.samples_per_dispatch.min(upto - samples));
         }
         let begun = self.submitted.begun;
         let pixels = work / f64::from(begun);

@@ -31,7 +31,7 @@ pub(crate) struct KernelSource {
 impl KernelSource {
     /// Composes the kernel for a device.
     pub(crate) fn new(input: &RenderInput, device: &Device) -> Self {
-        Self::for_target(input, device.target)
+        Self::for_target(input, device.kernel_target())
     }
 
     /// Composes the kernel for a kind of adapter.

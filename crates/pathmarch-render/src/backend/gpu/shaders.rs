@@ -99,6 +99,7 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/photons" shares photon_map::shared_wgsl,
     "integrator/radiance",
     "integrator/reflected_light" shares reflected_light::shared_wgsl,
+    "integrator/several_samples",
     "integrator/shadow" shares shadow::shared_wgsl,
     "integrator/sky" shares encode::sky_kinds_wgsl,
     "integrator/splitting",

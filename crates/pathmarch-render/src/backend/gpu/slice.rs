@@ -7,7 +7,7 @@ shared_struct! {
     pub(super) struct Slice as Slice {
         /// Index of the first sample.
         pub(super) sample: u32,
-        /// Number of samples: one, or several that share a camera ray.
+        /// Number of samples: one, several that share a camera ray, or several with rays of their own.
         pub(super) samples: u32,
         pub(super) first_row: u32,
         pub(super) rows: u32,
