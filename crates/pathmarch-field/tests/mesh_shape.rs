@@ -1,5 +1,6 @@
 //! Mesh shapes: hits against a plain search of all triangles in 64 bits, and distances of fields.
 
+use crate::sampling::declared;
 use glam::{DVec3, Vec3};
 use pathmarch_field::graph::{Kind, MeshHit, RayKind};
 use pathmarch_field::number::Vec3 as FieldVec3;
@@ -175,12 +176,11 @@ fn copies_share_their_words() {
 
 #[test]
 fn code_of_meshes_is_valid() {
-    let declared = "@group(0) @binding(0) var<storage, read> words: array<u32>;\n\
-                    @group(0) @binding(1) var<uniform> field_parameters: array<vec4f, 64>;\n\
-                    fn mesh_word(index: u32) -> u32 { return words[index]; }\n";
+    let words = "@group(0) @binding(1) var<storage, read> words: array<u32>;\n\
+                 fn mesh_word(index: u32) -> u32 { return words[index]; }\n";
     for shape in [MeshShape::triangles(suzanne(), vec![0, 1]), field_shape(16)] {
         let program = Program::new(&Field::new(&[node(shape, Placement::default())]));
-        let code = format!("{declared}{}", program.code);
+        let code = format!("{}{words}{}", declared(&program), program.code);
         let module =
             naga::front::wgsl::parse_str(&code).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&code)));
         let flags = naga::valid::ValidationFlags::all();

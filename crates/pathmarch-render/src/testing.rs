@@ -81,6 +81,17 @@ impl Device {
         Ok(Self(Arc::new(device)))
     }
 
+    /// Opens the preferred adapter as software whose kernels read and write no textures.
+    ///
+    /// # Errors
+    /// [`RenderError`] if there is no usable adapter.
+    pub fn open_without_textures() -> Result<Self, RenderError> {
+        let mut device = gpu::GpuContext::open(None)?;
+        device.opened.description.kind = "software";
+        device.opened.has_textures = false;
+        Ok(Self(Arc::new(device)))
+    }
+
     /// True if the adapter is software.
     pub fn is_software(&self) -> bool {
         self.0.is_software()

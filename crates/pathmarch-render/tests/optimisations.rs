@@ -11,8 +11,7 @@ use pathmarch_render::{Backend, Settings};
 use pathmarch_testing::tests;
 
 fn pictures_do_not_depend_on_the_kind_of_memory() {
-    let scene = parse(
-        r#"pathmarch 1
+    let few = r#"pathmarch 1
 camera "main" { position 0 1 4; target 0 0.5 0; fov 40 }
 sky 0.2 0.3 0.4
 point { at 1 3 2; intensity 20 }
@@ -22,18 +21,29 @@ material "lamp" { emit 4 }
 object "floor" material="red" { plane }
 object "ball" material="glass" { torus 0.4 0.15 { at 0 0.3 0 } }
 object "lamp" material="lamp" { sphere 0.2 { at 0.6 1 -0.5 } }
-"#,
-    );
-    let picture = Picture::new(&scene, &Settings { size: [24, 16], ..Settings::of(&scene) });
-    let [a, b] = ["software", "discrete GPU"].map(|kind| {
-        let device = Device::open_as(kind).expect("a GPU adapter");
-        let uniform = device.has_uniform_frame_and_leaves(&picture);
-        assert_eq!(uniform, [!device.is_software(), device.is_software()]);
-        picture.on_gpu(&device, 2).expect("renders").sums
-    });
-    assert!(a.iter().flatten().sum::<f32>() > 0.0);
-    let difference = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
-    assert!(difference.fold(0.0, f32::max) < 1e-3);
+"#;
+    // A hierarchy, and textures.
+    let ball = |k: i32| format!("object \"ball {k}\" {{ sphere 0.05 {{ at {} 0.05 {} }} }}\n", k % 8 - 4, k / 8 - 5);
+    let many = few
+        .replace("torus 0.4 0.15", "sphere 0.4")
+        .replace("diffuse 0.8 0.1 0.1", "diffuse { checker size=0.3 { colour 0.8; colour 0.1 } }")
+        + &(0..60).map(ball).collect::<String>();
+    for text in [few, &many] {
+        let scene = parse(text);
+        let picture = Picture::new(&scene, &Settings { size: [24, 16], ..Settings::of(&scene) });
+        let devices = [Device::open_as("software"), Device::open_as("discrete GPU"), Device::open_without_textures()];
+        let [a, others @ ..] = devices.map(|device| {
+            let device = device.expect("a GPU adapter");
+            let uniform = device.has_uniform_frame_and_leaves(&picture);
+            assert_eq!(uniform, [!device.is_software(), device.is_software()]);
+            picture.on_gpu(&device, 2).expect("renders").sums
+        });
+        assert!(a.iter().flatten().sum::<f32>() > 0.0);
+        for b in others {
+            let difference = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
+            assert!(difference.fold(0.0, f32::max) < 1e-3, "{text}");
+        }
+    }
 }
 
 fn pictures_do_not_depend_on_constant_numbers() {

@@ -50,7 +50,7 @@ pub(crate) struct Device {
     pub(crate) queue: wgpu::Queue,
     pub(crate) description: AdapterDescription,
     /// True if kernels can read and write textures of 32-bit numbers.
-    has_textures: bool,
+    pub(crate) has_textures: bool,
     /// First error that the device reported outside of any call.
     failure: Arc<Mutex<Option<String>>>,
 }
