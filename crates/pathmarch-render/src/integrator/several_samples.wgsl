@@ -16,17 +16,19 @@ fn add_samples(before: vec4f, x: u32, y: u32) -> vec4f {
     var path = path_of_sample(x, y, sample);
     loop {
         let goes_on = path_intersect(&path) && path_scatter(&path);
+        if !goes_on {
+            sum += kept(film_value(path.radiance));
+            sample++;
+        }
+        if sample >= end {
+            break;
+        }
         // A loop, as software adapters skip nothing else where no lane needs it.
         loop {
             if goes_on {
                 break;
             }
-            sum += kept(film_value(path.radiance));
-            sample++;
             path = path_of_sample(x, y, sample);
-            break;
-        }
-        if sample >= end {
             break;
         }
     }
