@@ -5,7 +5,6 @@
 
 use super::device::Device;
 use super::slice::Progress;
-use super::table_memory::FilmMemory;
 use crate::error::RenderError;
 use crate::mode::{Mode, uncertainty_wgsl};
 use crate::output::tonemap::{self, Display};
@@ -94,7 +93,6 @@ impl DisplayPass {
     pub(crate) fn show(
         &self,
         device: &Device,
-        film: &FilmMemory,
         buffers: &DisplayBuffers,
         [width, height]: [u32; 2],
         Progress { samples, begun, row, column }: Progress,
@@ -107,7 +105,6 @@ impl DisplayPass {
         device.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
         let mut encoder =
             device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("display") });
-        film.update(&mut encoder);
         {
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("display"), timestamp_writes: None });

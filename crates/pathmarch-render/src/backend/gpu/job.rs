@@ -381,7 +381,11 @@ impl GpuJob {
             self.display_buffers = Some(pass.buffers(&self.device, &self.film.buffer)?);
         }
         let Some(buffers) = &self.display_buffers else { return Ok(Vec::new()) };
-        pass.show(&self.device, &self.film, buffers, self.size, self.submitted, display, mode)
+        let mut encoder =
+            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("film") });
+        self.film.update(&mut encoder);
+        self.device.queue.submit([encoder.finish()]);
+        pass.show(&self.device, buffers, self.size, self.submitted, display, mode)
     }
 
     /// Film so far, if its guides are recorded; with coverages for a picture of this size, if one is given. Waits for all
