@@ -1,8 +1,8 @@
 //! Memory of the film and of the tables that a kernel reads: uniform or storage buffers, or textures.
 //!
 //! A read of storage memory costs llvmpipe a loop over the lanes, in which each word goes through the stack: some sixty cycles
-//! a lane. A read of a texture is eight loads and a transposition. On software adapters the film and
-//! tables of any length are therefore textures of [`TEXELS_PER_ROW`] columns. Measured in docs/performance.md.
+//! a lane. A read of a texture is eight loads and a transposition. On software adapters the film and tables of any length are
+//! therefore textures of [`TEXELS_PER_ROW`] columns. Measured in docs/performance.md.
 
 use super::device::Device;
 
@@ -60,15 +60,12 @@ impl Element {
         }
     }
 
-    /// WGSL of `function(index: u32)`, which reads an element of a table in this memory, and of the table.
+    /// WGSL of a table in a storage buffer or a texture, and of `function(index: u32)`, which reads an element of it.
     pub(super) fn declaration(self, memory: Memory, binding: u32, table: &str, function: &str) -> String {
         let name = self.name();
         let (declared, value) = match memory {
-            Memory::Uniform(bytes) => {
-                (format!("var<uniform> {table}: array<{name}, {}>", bytes / self.bytes()), format!("{table}[index]"))
-            }
-            Memory::Storage => (format!("var<storage, read> {table}: array<{name}>"), format!("{table}[index]")),
             Memory::Texture => (self.texture(table, "read"), self.texel(table, "index")),
+            _ => (format!("var<storage, read> {table}: array<{name}>"), format!("{table}[index]")),
         };
         format!(
             "@group(0) @binding({binding}) {declared};\n\nfn {function}(index: u32) -> {name} {{\n    return {value};\n}}\n\n"
