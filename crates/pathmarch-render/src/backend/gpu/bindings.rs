@@ -13,6 +13,7 @@
 
 use super::device::KernelTarget;
 use super::encode::LightRecord;
+use super::slice::PIXELS_PER_LANE;
 use super::table_memory::{Element, Memory, film_declaration, texture_length};
 use super::tables::TableReaders;
 use crate::backend::RenderInput;
@@ -40,7 +41,7 @@ pub(super) const GUIDES: u32 = 10;
 pub(crate) const LIGHT_TREE: u32 = 11;
 const BINDINGS: u32 = 12;
 
-/// Samples of a pixel in a dispatch of a long picture on a software adapter. The more, the less of them go to the film, and the
+/// Largest number of samples of a pixel in a dispatch of a long picture on a software adapter. The more, the less of them go to the film, and the
 /// later a dispatch ends.
 const SEVERAL_SAMPLES: u32 = 4;
 
@@ -58,6 +59,8 @@ pub(crate) struct Bindings {
     pub(super) has_guides: bool,
     /// Largest number of samples of a pixel in a dispatch, each with a camera ray of its own.
     pub(super) samples_per_dispatch: u32,
+    /// Pixels of a lane, eight columns apart.
+    pub(super) pixels_per_lane: u32,
     readers: TableReaders,
     /// Numbers that the kernel contains; `None` if it reads them.
     constants: Option<Constants>,
@@ -123,15 +126,25 @@ impl Bindings {
         }
         let constants = if software && input.config.constant_numbers { Constants::new(input, program) } else { None };
         let config = &input.config;
-        let may_have_several = input.mode == Mode::Path
+        let takes_several = input.mode == Mode::Path
             && constants.is_some()
             && !(loops_are_limited || has_guides || config.path_reuse || config.traced_caustics)
             && config.splitting == 1
             && config.indirect_samples == 1
             && input.edges.is_none();
-        let samples_per_dispatch = if may_have_several { SEVERAL_SAMPLES } else { 1 };
+        let (samples_per_dispatch, pixels_per_lane) =
+            if takes_several { (SEVERAL_SAMPLES, PIXELS_PER_LANE) } else { (1, 1) };
         let readers = TableReaders::new(&input.scene, constants.is_some());
-        Self { memory, software, loops_are_limited, has_guides, samples_per_dispatch, readers, constants }
+        Self {
+            memory,
+            software,
+            loops_are_limited,
+            has_guides,
+            samples_per_dispatch,
+            pixels_per_lane,
+            readers,
+            constants,
+        }
     }
 
     /// Binding numbers of the kernel.

@@ -118,6 +118,7 @@ pub(super) fn kernel(
         KernelKind::EmitterEdges => "backend/gpu/emitter_edges",
         KernelKind::EmitterCoverage => "backend/gpu/emitter_coverage",
         KernelKind::Samples if input.config.path_reuse => "backend/gpu/trace_tiles",
+        KernelKind::Samples if bindings.pixels_per_lane > 1 => "backend/gpu/trace_pixels",
         KernelKind::Samples => "backend/gpu/trace",
     };
     code + &shaders::with_imports(entry, &[], &|name| implementation(name, input, bindings))
@@ -177,7 +178,6 @@ fn implementation(interface: &str, input: &RenderInput, bindings: &Bindings) -> 
         "loop_check" if limited => "backend/gpu/loop_limit",
         "loop_check" => "backend/gpu/loops_unlimited",
         "slice" if splitting > 1 => "integrator/splitting",
-        "slice" if bindings.samples_per_dispatch > 1 => "integrator/several_samples",
         "slice" if limited && mode.traces_paths() => "backend/gpu/sample_resumed",
         "slice" => "backend/gpu/sample",
         _ => return None,

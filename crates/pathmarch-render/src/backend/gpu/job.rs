@@ -79,6 +79,8 @@ pub(crate) struct GpuJob {
     config: KernelConfig,
     /// Largest number of samples of a pixel in a dispatch that do not.
     samples_per_dispatch: u32,
+    /// Width of the pixels of a workgroup.
+    group_width: u32,
     /// Submissions in flight: index, work and time of submission.
     in_flight: VecDeque<(wgpu::SubmissionIndex, f64, Instant)>,
     last_completion: Instant,
@@ -329,6 +331,7 @@ impl GpuJob {
             quota: f64::from(BAND * 64),
             config: input.config,
             samples_per_dispatch: source.bindings.samples_per_dispatch,
+            group_width: 8 * source.bindings.pixels_per_lane,
             in_flight: VecDeque::new(),
             last_completion: Instant::now(),
             timer: None,
@@ -425,7 +428,8 @@ impl GpuJob {
             for (k, slice) in slices.iter().enumerate() {
                 pass.set_pipeline(&self.kernel.pipeline);
                 pass.set_bind_group(0, &self.bindings, &[k as u32 * self.slice_stride]);
-                pass.dispatch_workgroups(slice.columns.div_ceil(8), slice.rows.div_ceil(BAND).max(1), 1);
+                let groups = [slice.columns.div_ceil(self.group_width), slice.rows.div_ceil(BAND).max(1)];
+                pass.dispatch_workgroups(groups[0], groups[1], 1);
                 if let Some((kernel, _)) = self.edges.as_ref().filter(|_| slice.edges > 0 && round == 0) {
                     let groups = slice.edges.div_ceil(EDGES_PER_GROUP);
                     pass.set_pipeline(&kernel.pipeline);
@@ -491,7 +495,8 @@ impl GpuJob {
         };
         let band = f64::from(width) * f64::from(BAND);
         let slice = if column > 0 || pixels < band {
-            let columns = ((pixels / f64::from(BAND)) as u32).max(1).next_multiple_of(8).min(width - column);
+            let columns = ((pixels / f64::from(BAND)) as u32).max(1).next_multiple_of(self.group_width);
+            let columns = columns.min(width - column);
             slice(BAND, columns)
         } else {
             slice((pixels / band) as u32 * BAND, width)

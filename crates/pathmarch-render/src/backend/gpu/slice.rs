@@ -25,6 +25,8 @@ shared_struct! {
 }
 
 shared_constants! {
+    /// Pixels of a lane, where it takes several.
+    pub(super) const PIXELS_PER_LANE: u32 = 4;
     /// Largest number of workgroups in a row of a dispatch for edges.
     pub(super) const MAX_GROUPS_ACROSS: u32 = 32_768;
 }
