@@ -41,8 +41,8 @@ pub(super) const GUIDES: u32 = 10;
 pub(crate) const LIGHT_TREE: u32 = 11;
 const BINDINGS: u32 = 12;
 
-/// Largest number of samples of a pixel in a dispatch of a long picture on a software adapter. The more, the less of them go to the film, and the
-/// later a dispatch ends.
+/// Largest number of samples of a pixel in a dispatch of a long picture on a software adapter. The more, the less often the film
+/// is read and written, and the later a dispatch ends.
 const SEVERAL_SAMPLES: u32 = 4;
 
 /// Size of a uniform binding that every adapter supports, bytes.
