@@ -5,24 +5,16 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-# Runs an example of a package. In CI the tests have built it, with features that differ.
-run_example() {
-    local package=$1 example=$2
-    if [ -n "${CI-}" ] && [ -x "target/release/examples/$example" ]; then
-        "target/release/examples/$example" "${@:3}"
-    else
-        cargo run --quiet --release -p "$package" --example "$example" "${@:3}"
-    fi
-}
-
 page=target/web
 command -v rustup >/dev/null && rustup --quiet target add wasm32-unknown-unknown
 # The sections that a strip would remove say which features of WebAssembly are in use.
 CARGO_PROFILE_RELEASE_STRIP=debuginfo cargo build --release --target wasm32-unknown-unknown -p pathmarch-web
 rm -rf "$page"
 mkdir -p "$page"
-run_example pathmarch-web bindgen target/wasm32-unknown-unknown/release/pathmarch_web.wasm "$page"
-run_example pathmarch-gallery export "$page/scenes"
+# With the features of the whole workspace, so that libraries that the tests have built will do.
+cargo build --quiet --release --workspace --features pathmarch-web/bindgen --example bindgen --example export
+target/release/examples/bindgen target/wasm32-unknown-unknown/release/pathmarch_web.wasm "$page"
+target/release/examples/export "$page/scenes"
 cp crates/pathmarch-web/page/* "$page"
 
 size=$(cd "$page" && cat ./*.wasm ./*.js ./*.html ./*.css | gzip -9 | wc -c)

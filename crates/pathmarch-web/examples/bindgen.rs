@@ -1,6 +1,6 @@
 //! Writes the JavaScript that loads the module, as `wasm-bindgen --target web` does, but of the version that the module was built with.
 //!
-//! `cargo run --release -p pathmarch-web --example bindgen MODULE.wasm FOLDER`
+//! `cargo run --release -p pathmarch-web --features bindgen --example bindgen MODULE.wasm FOLDER`
 
 use std::error::Error;
 use wasm_bindgen_cli_support::Bindgen;
