@@ -65,7 +65,7 @@ pub struct Arguments {
     output: Option<PathBuf>,
 }
 
-fn parse_denoiser(text: &str) -> Result<Denoiser, String> {
+pub(crate) fn parse_denoiser(text: &str) -> Result<Denoiser, String> {
     let expected = || format!("expected one of {}", Denoiser::ALL.map(Denoiser::name).join(", "));
     Denoiser::from_name(text).ok_or_else(expected)
 }

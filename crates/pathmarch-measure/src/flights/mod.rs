@@ -9,10 +9,12 @@ mod compare;
 mod denoised;
 mod flight;
 
+use crate::denoise::parse_denoiser;
 use crate::measure::Interrupt;
 use compare::{compare, difference, enlarged, relmse_of_short_histories, shown, temporal_error};
 use flight::{FPS, FRAMES, Flight, MOVING_FRAMES};
 use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, outln, value_parsers};
+use pathmarch_render::denoise::{Denoiser, Features, HalfBuffers};
 use pathmarch_render::image::{self, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
 use pathmarch_render::reconstruct::{Frame, ReconstructOptions, Sequence};
@@ -52,6 +54,9 @@ pub struct Arguments {
     /// Let pixels share light at rest, as live pictures on the CPU do where that pays
     #[arg(long)]
     path_reuse: bool,
+    /// Denoise the samples of the compared frames by a method for final frames as well: regression or oidn
+    #[arg(long, value_name = "METHOD", value_parser = parse_denoiser, conflicts_with_all = ["shown_size", "denoise"])]
+    beside: Option<Denoiser>,
     /// Measure final frames of this many samples instead, denoised one by one and joined
     #[arg(long, value_name = "SAMPLES", value_parser = value_parsers::whole((2, 65_536)), allow_hyphen_values = true)]
     denoise: Option<u32>,
@@ -145,6 +150,24 @@ impl<'a> Course<'a> {
         Ok(picture)
     }
 
+    /// Samples of a frame, denoised as a final frame.
+    fn denoised(&self, scene: &Scene, frame: u32, denoiser: Denoiser) -> Result<Picture, Failure> {
+        let settings = self.settings(scene, frame);
+        let settings = Settings {
+            splitting: Some(1),
+            light_samples: Some(1),
+            indirect_samples: Some(1),
+            path_reuse: settings.path_reuse.or(Some(false)),
+            emitter_edges: Some(false),
+            ..settings
+        };
+        let mut halves = HalfBuffers::new(&settings);
+        let mut job = self.renderer.start(scene, &settings).map_err(Failure::other)?;
+        job.record(&mut halves, |_| false, |_| {}).map_err(Failure::other)?;
+        let features = Features::trace(scene, &settings, settings.samples).map_err(Failure::other)?;
+        denoiser.denoise(&halves, &features).map_err(Failure::other)
+    }
+
     fn save(&self, frame: u32, pictures: [(&str, &Picture); 3], display: &Display) -> Result<(), Failure> {
         let Some(directory) = &self.arguments.output else { return Ok(()) };
         for (part, picture) in pictures {
@@ -202,6 +225,11 @@ fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<
                 row.temporal = Some(temporal_error([&a, &b, &c, &d], &frame.motion));
             }
             row.print(&flight.name);
+            if let Some(denoiser) = arguments.beside {
+                let denoised = course.denoised(&scene, number, denoiser)?;
+                let row = compare(number, [&frame.noisy, &denoised], &reference, &display)?;
+                row.print(denoiser.name());
+            }
             let pictures = [("before", &noisy), ("after", &frame.reconstructed), ("reference", &reference)];
             course.save(number, pictures, &display)?;
         }
