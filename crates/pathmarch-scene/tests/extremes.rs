@@ -63,7 +63,14 @@ fn a_camera_inside_an_opaque_solid_is_warned_of() {
         "material \"g\" { glass }\nobject \"a\" material=\"g\" { sphere 1 { at 9 0 0 } }",
         "material \"g\" { glass }\nobject \"a\" { sphere 1 material=\"g\" { at 9 0 0 } }",
         "object \"a\" { shell 0.1 { sphere 1; at 9 0 0 } }",
+        // A room, seen from inside.
+        "object \"a\" { box 4 { at 9 0 0 } }\nmaterial \"lamp\" { emit 1 }\n\
+         object \"b\" material=\"lamp\" { sphere 0.5 { at 9 1 1 } }",
+        "object \"a\" { box 4 { at 9 0 0 } }\npoint { at 9 1.9 0; intensity 1 }",
     ] {
         assert_eq!(warnings(&around(fine)), [""; 0], "{fine}");
     }
+    let dark = "object \"a\" { box 4 { at 9 0 0 } }\npoint { at 9 2.1 0; intensity 1 }";
+    let found = warnings(&around(dark));
+    assert!(found.len() == 1 && found[0].contains("The camera `in` is inside the object `a`"), "{found:?}");
 }

@@ -9,7 +9,7 @@ use crate::medium::Medium;
 use crate::scene::{Camera, Object, Scene};
 use crate::settings::Caustics;
 use glam::Vec3;
-use pathmarch_field::number;
+use pathmarch_field::{Aabb, number};
 
 /// Warns of what is most likely not intended.
 pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
@@ -73,19 +73,22 @@ fn lost_light(scene: &Scene, file: &Block, report: &mut Report) {
     }
 }
 
-/// Warns of cameras inside opaque solids, whose pictures are black.
+/// Warns of cameras inside opaque solids without a lamp, whose pictures are black.
 fn hidden_cameras(scene: &Scene, file: &Block, report: &mut Report) {
     // Those of the file come first; cameras of included files are left out.
     let nodes = file.nodes.iter().filter(|node| node.name.value == "camera");
-    let transparent = transparency(scene);
+    let hiding = hiding_objects(scene);
     for (node, camera) in nodes.zip(&scene.cameras) {
-        let Some(object) = opaque_object_around(scene, &transparent, camera.position) else { continue };
+        let Some(object) = hiding_object_around(scene, &hiding, camera.position) else { continue };
         let (camera, object) = (shown(&camera.name), shown(&object.name));
         let message =
             format!("The camera {camera} is inside the object {object}, which is opaque: it sees only its inside.");
         let warning = draft("pathmarch::hidden_camera", node.name.span, message).label("inside a solid");
-        report
-            .warn(warning.help("Move the camera out, hollow the object with `shell` or `subtract`, or make it glass."));
+        report.warn(
+            warning.help(
+                "Move the camera out, put a lamp inside as well, hollow the object with `shell`, or make it glass.",
+            ),
+        );
     }
 }
 
@@ -109,20 +112,32 @@ fn large_numbers(scene: &Scene, file: &Block, report: &mut Report) {
     }
 }
 
-/// For each object, whether light passes some part of it.
-fn transparency(scene: &Scene) -> Vec<bool> {
+/// For each object, whether it hides what is inside: an opaque solid that is no room, which has a camera and a lamp inside.
+fn hiding_objects(scene: &Scene) -> Vec<bool> {
     let transmits = |material: usize| scene.materials[material].transmits();
-    let mut transparent: Vec<bool> = scene.objects.iter().map(|object| transmits(object.material)).collect();
+    let mut hiding: Vec<bool> = scene.objects.iter().map(|object| !transmits(object.material)).collect();
+    let mut emitting = vec![false; scene.objects.len()];
     for leaf in scene.field.leaves() {
-        transparent[leaf.object as usize] |= transmits(leaf.tag as usize);
+        hiding[leaf.object as usize] &= !transmits(leaf.tag as usize);
+        emitting[leaf.object as usize] |= scene.materials[leaf.tag as usize].emits();
     }
-    transparent
+    let middle = |bounds: &Aabb| std::array::from_fn(|k| 0.5 * (bounds.min[k] + bounds.max[k]));
+    let emitters = scene.field.object_bounds().iter().zip(emitting).filter(|(_, emits)| *emits);
+    let lamps: Vec<[f32; 3]> =
+        emitters.map(|(bounds, _)| middle(bounds)).chain(scene.lights.iter().filter_map(Light::position)).collect();
+    for (index, hides) in hiding.iter_mut().enumerate().filter(|(_, hides)| **hides) {
+        let is_inside = |[x, y, z]: [f32; 3]| scene.field.contains(index, number::Vec3 { x, y, z });
+        let is_room =
+            scene.cameras.iter().any(|camera| is_inside(camera.position)) && lamps.iter().any(|lamp| is_inside(*lamp));
+        *hides = !is_room;
+    }
+    hiding
 }
 
-/// First opaque object that contains this point.
-fn opaque_object_around<'s>(scene: &'s Scene, transparent: &[bool], [x, y, z]: [f32; 3]) -> Option<&'s Object> {
-    let mut opaque = scene.objects.iter().zip(transparent).enumerate().filter(|(_, (_, transparent))| !**transparent);
-    opaque.find(|(index, _)| scene.field.contains(*index, number::Vec3 { x, y, z })).map(|(_, (object, _))| object)
+/// First object around this point that hides it.
+fn hiding_object_around<'s>(scene: &'s Scene, hiding: &[bool], [x, y, z]: [f32; 3]) -> Option<&'s Object> {
+    let mut hiding = scene.objects.iter().zip(hiding).enumerate().filter(|(_, (_, hides))| **hides);
+    hiding.find(|(index, _)| scene.field.contains(*index, number::Vec3 { x, y, z })).map(|(_, (object, _))| object)
 }
 
 /// Warns of glass on surfaces that have no inside.
@@ -148,9 +163,9 @@ fn hidden_points(scene: &Scene, file: &Block, report: &mut Report) {
     let points = scene.lights.iter().filter_map(Light::position);
     // Without mistakes every such node has become a light.
     let nodes = visible_nodes(file, &["point", "spot"]);
-    let transparent = transparency(scene);
-    for (node, [x, y, z]) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
-        if let Some(object) = opaque_object_around(scene, &transparent, [x, y, z]) {
+    let hiding = hiding_objects(scene);
+    for (node, position) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
+        if let Some(object) = hiding_object_around(scene, &hiding, position) {
             let message =
                 format!("This {} light is inside the object {}, which hides it.", node.name.value, shown(&object.name));
             let warning = draft("pathmarch::hidden_light", node.name.span, message).label("shines nowhere");
