@@ -20,8 +20,8 @@ pub(super) struct Row {
     pub(super) temporal: Option<f64>,
     /// Mean luminance after, divided by that of the reference.
     energy: f64,
-    /// Smallest and largest ratio of the 32x32 tiles.
-    tiles: [f64; 2],
+    /// Smallest and largest ratio of the 32x32 tiles, before and after. The samples before have no bias, so that theirs is noise.
+    tiles: [[f64; 2]; 2],
 }
 
 /// Number of samples below which a history is short.
@@ -33,7 +33,7 @@ impl Row {
         let optional = |value: &Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.4}"));
         outln!(
             "{name:8} {:3}   FLIP {:.3} -> {:.3}   relMSE {:8.4} -> {:.4}, short history {}   temporal {}   energy \
-             {energy:.3}, tiles {:.3} to {:.3}",
+             {energy:.3}, tiles {:.3} to {:.3} -> {:.3} to {:.3}",
             frame + 1,
             flip[0],
             flip[1],
@@ -41,8 +41,10 @@ impl Row {
             relmse[1],
             optional(short_history),
             optional(temporal),
-            tiles[0],
-            tiles[1]
+            tiles[0][0],
+            tiles[0][1],
+            tiles[1][0],
+            tiles[1][1]
         );
     }
 }
@@ -112,13 +114,16 @@ pub(super) fn compare(
         flip[k] = compared.map_err(Failure::other)?.flip;
         relmse[k] = metrics::relmse(picture, reference).map_err(Failure::other)?;
     }
-    let [ours, expected] = [block_means(pictures[1], 32), block_means(reference, 32)];
-    let ratio = |(ours, expected): (&[f32; 3], &[f32; 3])| {
-        let sum = |pixel: &[f32; 3]| f64::from(pixel.iter().sum::<f32>());
-        sum(ours) / sum(expected).max(1e-3)
-    };
-    let ratios: Vec<f64> = ours.pixels.iter().zip(&expected.pixels).map(ratio).collect();
-    let tiles = [ratios.iter().copied().fold(f64::INFINITY, f64::min), ratios.iter().copied().fold(0.0, f64::max)];
+    let expected = block_means(reference, 32);
+    let tiles = pictures.map(|picture| {
+        let ratio = |(ours, expected): (&[f32; 3], &[f32; 3])| {
+            let sum = |pixel: &[f32; 3]| f64::from(pixel.iter().sum::<f32>());
+            sum(ours) / sum(expected).max(1e-3)
+        };
+        let ratios = block_means(picture, 32).pixels;
+        let ratios = ratios.iter().zip(&expected.pixels).map(ratio);
+        ratios.fold([f64::INFINITY, 0.0], |[least, most], ratio| [least.min(ratio), most.max(ratio)])
+    });
     let energy = mean(pictures[1]) / mean(reference);
     Ok(Row { frame: number, flip, relmse, short_history: None, temporal: None, energy, tiles })
 }
