@@ -11,7 +11,7 @@ command -v rustup >/dev/null && rustup --quiet target add wasm32-unknown-unknown
 CARGO_PROFILE_RELEASE_STRIP=debuginfo cargo build --release --target wasm32-unknown-unknown -p pathmarch-web
 rm -rf "$page"
 mkdir -p "$page"
-# With the features of the whole workspace, so that libraries that the tests have built will do.
+# The libraries of `bindgen` add features to others, so that some are built that the tests have built without them.
 cargo build --quiet --release --workspace --features pathmarch-web/bindgen --example bindgen --example export
 target/release/examples/bindgen target/wasm32-unknown-unknown/release/pathmarch_web.wasm "$page"
 target/release/examples/export "$page/scenes"
