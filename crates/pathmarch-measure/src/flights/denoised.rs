@@ -9,12 +9,12 @@
 use super::compare::shown;
 use super::{Arguments, Course, Flight, Interrupt};
 use pathmarch_cli::{Failure, outln};
-use pathmarch_render::Settings;
 use pathmarch_render::denoise::{Denoiser, Features, HalfBuffers, SequenceDenoiser};
 use pathmarch_render::image::{self, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::reconstruct::{ReconstructOptions, Sequence};
 use pathmarch_render::tonemap::Display;
+use pathmarch_render::{Renderer, Settings};
 use std::time::Instant;
 
 /// First and last frame.
@@ -132,6 +132,21 @@ fn temporal_error(now: [&Picture; 2], before: [&Picture; 2], motion: &Picture, e
     (sums.means(), errors)
 }
 
+/// Mean of the samples of a final frame, and that denoised.
+pub(super) fn final_frame(
+    renderer: &Renderer,
+    scene: &Scene,
+    settings: &Settings,
+    denoiser: Denoiser,
+) -> Result<[Picture; 2], Failure> {
+    let mut halves = HalfBuffers::new(settings);
+    let mut job = renderer.start(scene, settings).map_err(Failure::other)?;
+    job.record(&mut halves, |_| false, |_| {}).map_err(Failure::other)?;
+    let features = Features::trace(scene, settings, settings.samples).map_err(Failure::other)?;
+    let clean = denoiser.denoise(&halves, &features).map_err(Failure::other)?;
+    Ok([halves.film().mean(), clean])
+}
+
 /// Reference of a frame with one of the two seeds, before and after denoising, kept as those of other flights are.
 fn reference(course: &Course, scene: &Scene, frame: u32, seed: u32) -> Result<[Picture; 2], Failure> {
     let &Arguments { samples, ref references, size: [width, height], .. } = course.arguments;
@@ -146,12 +161,7 @@ fn reference(course: &Course, scene: &Scene, frame: u32, seed: u32) -> Result<[P
         return Ok([load(noisy)?, load(clean)?]);
     }
     let many = Settings { samples, seed: seed + frame, ..settings(course, scene, frame) };
-    let mut halves = HalfBuffers::new(&many);
-    let mut job = course.renderer.start(scene, &many).map_err(Failure::other)?;
-    job.record(&mut halves, |_| false, |_| {}).map_err(Failure::other)?;
-    let features = Features::trace(scene, &many, samples).map_err(Failure::other)?;
-    let clean = Denoiser::Regression.denoise(&halves, &features).map_err(Failure::other)?;
-    let pictures = [halves.film().mean(), clean];
+    let pictures = final_frame(&course.renderer, scene, &many, Denoiser::Regression)?;
     for (path, picture) in paths.iter().flatten().zip(&pictures) {
         image::save(path, picture, &Display::default(), &Provenance::default()).map_err(Failure::other)?;
     }

@@ -14,7 +14,7 @@ use crate::measure::Interrupt;
 use compare::{compare, difference, enlarged, relmse_of_short_histories, shown, temporal_error};
 use flight::{FPS, FRAMES, Flight, MOVING_FRAMES};
 use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, outln, value_parsers};
-use pathmarch_render::denoise::{Denoiser, Features, HalfBuffers};
+use pathmarch_render::denoise::Denoiser;
 use pathmarch_render::image::{self, Picture, Provenance};
 use pathmarch_render::pathmarch_scene::{Animation, Moment, Scene};
 use pathmarch_render::reconstruct::{Frame, ReconstructOptions, Sequence};
@@ -161,11 +161,8 @@ impl<'a> Course<'a> {
             emitter_edges: Some(false),
             ..settings
         };
-        let mut halves = HalfBuffers::new(&settings);
-        let mut job = self.renderer.start(scene, &settings).map_err(Failure::other)?;
-        job.record(&mut halves, |_| false, |_| {}).map_err(Failure::other)?;
-        let features = Features::trace(scene, &settings, settings.samples).map_err(Failure::other)?;
-        denoiser.denoise(&halves, &features).map_err(Failure::other)
+        let [_, clean] = denoised::final_frame(&self.renderer, scene, &settings, denoiser)?;
+        Ok(clean)
     }
 
     fn save(&self, frame: u32, pictures: [(&str, &Picture); 3], display: &Display) -> Result<(), Failure> {

@@ -46,8 +46,9 @@ pub(crate) fn warn(scene: &Scene, file: &Block, report: &mut Report) {
     }
     lost_light(scene, file, report);
     clear_sheets(scene, file, report);
-    hidden_points(scene, file, report);
-    hidden_cameras(scene, file, report);
+    let hiding = hiding_objects(scene);
+    hidden_points(scene, &hiding, file, report);
+    hidden_cameras(scene, &hiding, file, report);
     large_numbers(scene, file, report);
     media::warn(scene, file, report);
 }
@@ -74,12 +75,11 @@ fn lost_light(scene: &Scene, file: &Block, report: &mut Report) {
 }
 
 /// Warns of cameras inside opaque solids without a lamp, whose pictures are black.
-fn hidden_cameras(scene: &Scene, file: &Block, report: &mut Report) {
+fn hidden_cameras(scene: &Scene, hiding: &[bool], file: &Block, report: &mut Report) {
     // Those of the file come first; cameras of included files are left out.
     let nodes = file.nodes.iter().filter(|node| node.name.value == "camera");
-    let hiding = hiding_objects(scene);
     for (node, camera) in nodes.zip(&scene.cameras) {
-        let Some(object) = hiding_object_around(scene, &hiding, camera.position) else { continue };
+        let Some(object) = hiding_object_around(scene, hiding, camera.position) else { continue };
         let (camera, object) = (shown(&camera.name), shown(&object.name));
         let message =
             format!("The camera {camera} is inside the object {object}, which is opaque: it sees only its inside.");
@@ -112,6 +112,12 @@ fn large_numbers(scene: &Scene, file: &Block, report: &mut Report) {
     }
 }
 
+/// Number of lamps that are looked for in solids, so that the time for it is bounded: of very many, the first.
+fn tested_lamps(scene: &Scene) -> usize {
+    const EVALUATIONS: usize = 10_000_000;
+    EVALUATIONS / scene.field.leaves().len().max(1)
+}
+
 /// For each object, whether it hides what is inside: an opaque solid that is no room, which has a camera and a lamp inside.
 fn hiding_objects(scene: &Scene) -> Vec<bool> {
     let transmits = |material: usize| scene.materials[material].transmits();
@@ -125,6 +131,7 @@ fn hiding_objects(scene: &Scene) -> Vec<bool> {
     let emitters = scene.field.object_bounds().iter().zip(emitting).filter(|(_, emits)| *emits);
     let lamps: Vec<[f32; 3]> =
         emitters.map(|(bounds, _)| middle(bounds)).chain(scene.lights.iter().filter_map(Light::position)).collect();
+    let lamps = &lamps[..lamps.len().min(tested_lamps(scene))];
     for (index, hides) in hiding.iter_mut().enumerate().filter(|(_, hides)| **hides) {
         let is_inside = |[x, y, z]: [f32; 3]| scene.field.contains(index, number::Vec3 { x, y, z });
         let is_room =
@@ -157,15 +164,12 @@ fn clear_sheets(scene: &Scene, file: &Block, report: &mut Report) {
 }
 
 /// Warns of point and spot lights inside solids, as far as the time for it is bounded: for the first of very many points.
-fn hidden_points(scene: &Scene, file: &Block, report: &mut Report) {
-    const EVALUATIONS: usize = 10_000_000;
-    let leaves = scene.field.leaves();
+fn hidden_points(scene: &Scene, hiding: &[bool], file: &Block, report: &mut Report) {
     let points = scene.lights.iter().filter_map(Light::position);
     // Without mistakes every such node has become a light.
     let nodes = visible_nodes(file, &["point", "spot"]);
-    let hiding = hiding_objects(scene);
-    for (node, position) in nodes.zip(points).take(EVALUATIONS / leaves.len().max(1)) {
-        if let Some(object) = hiding_object_around(scene, &hiding, position) {
+    for (node, position) in nodes.zip(points).take(tested_lamps(scene)) {
+        if let Some(object) = hiding_object_around(scene, hiding, position) {
             let message =
                 format!("This {} light is inside the object {}, which hides it.", node.name.value, shown(&object.name));
             let warning = draft("pathmarch::hidden_light", node.name.span, message).label("shines nowhere");
