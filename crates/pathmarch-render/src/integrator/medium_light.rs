@@ -8,6 +8,7 @@ use super::reflected_light::ReflectedLight;
 use crate::scene::light::luminance;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
+use pathmarch_field::number::Real;
 
 shared_constants! {
     /// Alpha of light that media scatter, in place of that of facets.
@@ -24,8 +25,8 @@ pub(crate) fn depth_in_medium(distance: f32, far: f32) -> f32 {
 }
 
 /// Inverse of [`depth_in_medium`].
-pub(crate) fn distance_in_medium(depth: f32, far: f32) -> f32 {
-    MEDIUM_SCALE * far * depth / (1.0 - depth)
+pub(crate) fn distance_in_medium<N: Real>(depth: N, far: f32) -> N {
+    N::constant(MEDIUM_SCALE * far) * depth / (N::one() - depth)
 }
 
 /// Light being recorded, one for each path; empty in scenes without media.

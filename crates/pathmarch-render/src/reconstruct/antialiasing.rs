@@ -12,11 +12,14 @@
 
 use super::motion::EarlierPoints;
 use super::planes::{Grid, Place, Planes};
-use super::temporal::{History, Projection, SoughtPoint};
+use super::surfaces::Vectors;
+use super::temporal::{History, Positions, Projection, SoughtPoints};
 use crate::integrator::guides::Guide;
+use crate::intersect::ray::{lanes, pack, set_bits, transposed, unpack};
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
-use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
+use glam::{Vec3, Vec4, Vec4Swizzles};
+use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use rayon::prelude::*;
 use std::f32::consts::{LN_2, LOG2_E};
 use wide::{f32x8, i32x8};
@@ -65,64 +68,113 @@ const LEAST_EXPONENT: f32 = -64.0;
 /// Number of rows of the picture that are made one after the other, so that they share the neighbourhoods of their samples.
 const SHARED_ROWS: usize = 8;
 
-/// Samples of the nine pixels around one.
-struct Neighbourhood {
-    /// Means of the opponent colours and of their squares.
-    mean: Vec3,
-    mean_square: Vec3,
-    /// Motion of the surface nearest to the camera: edges move with what is in front. `None` without a last
-    /// picture, and behind one of the cameras.
-    motion: Option<SurfaceMotion>,
+/// Eight pixels of the samples: the nine samples around each of them, and the motion of the surface nearest to the camera among
+/// these, as edges move with what is in front.
+struct Neighbourhoods {
+    /// Means of the opponent colours.
+    mean: Vectors,
+    /// Largest deviations from them that the past may have.
+    deviation: Vectors,
+    /// Points of the surfaces in the last picture.
+    sought: SoughtPoints,
+    /// Positions of these points in the last picture and in this one, each in pixels of its samples.
+    before: Positions,
+    now: Positions,
 }
 
-/// A point of a surface, and its positions in the last picture and in this one, each in pixels of its samples.
-struct SurfaceMotion {
-    sought: SoughtPoint,
-    before: [f32; 2],
-    now: [f32; 2],
+/// Numbers of one of [`Neighbourhoods`].
+type Row = [[f32; 8]; 3];
+
+impl Neighbourhoods {
+    /// The neighbourhoods, one by one.
+    #[inline(always)]
+    fn each(self) -> [Row; 8] {
+        let Self { mean, deviation, sought: SoughtPoints { position, normal, pixel, surface, are_sky }, before, now } =
+            self;
+        let one = |mask: f32x8| mask & f32x8::ONE;
+        let columns = [
+            [position.x, position.y, position.z, pixel, normal.x, normal.y, normal.z, surface],
+            [mean.x, mean.y, mean.z, deviation.x, deviation.y, deviation.z, one(are_sky), one(before.mask & now.mask)],
+            [before.x, before.y, now.x, now.y, f32x8::ZERO, f32x8::ZERO, f32x8::ZERO, f32x8::ZERO],
+        ];
+        let [a, b, c] = columns.map(|columns| f32x8::transpose(columns).map(f32x8::to_array));
+        std::array::from_fn(|lane| [a[lane], b[lane], c[lane]])
+    }
+
+    /// Those at these indices of a row.
+    #[inline(always)]
+    fn gathered(row: &[Row], indices: [usize; 8]) -> Self {
+        let numbers = |k: usize| transposed(indices.map(|index| row[index][k]));
+        let ([px, py, pz, pixel, nx, ny, nz, surface], [mx, my, mz, dx, dy, dz, sky, moves]) = (numbers(0), numbers(1));
+        let [bx, by, x, y, ..] = numbers(2);
+        let [are_sky, mask] = [sky, moves].map(|number| number.simd_gt(f32x8::ZERO));
+        let (position, normal) = (Vectors::new(px, py, pz), Vectors::new(nx, ny, nz));
+        Self {
+            mean: Vectors::new(mx, my, mz),
+            deviation: Vectors::new(dx, dy, dz),
+            sought: SoughtPoints { position, normal, pixel, surface, are_sky },
+            before: Positions { x: bx, y: by, mask },
+            now: Positions { x, y, mask },
+        }
+    }
 }
 
 /// New samples of a picture, which is shown at another size.
 struct Upscaling<'a> {
+    present: &'a History,
     frame: &'a FrameUniforms,
-    projection: Projection,
-    guides: &'a [Guide],
+    grid: Grid,
     samples: &'a [Vec3],
-    /// Opponent colour of each sample, and the length of its path; the largest number if it is no part of the picture.
-    opponents: Vec<Vec4>,
-    /// Position of each sample, pixels of the samples; `None` if the picture is as large as they are.
-    positions: Option<Planes<2>>,
+    /// Opponent colours of the samples, and the lengths of their paths; the largest number for those that are no part of the picture.
+    opponents: Planes<4>,
+    /// If the picture is larger than the samples: where they are.
+    placed: Option<PlacedSamples>,
     /// Pixels of the picture for each pixel of the samples.
     factor: [f32; 2],
+}
+
+/// Samples by their positions in their pixels.
+struct PlacedSamples {
+    /// Positions, pixels of the samples.
+    positions: Planes<2>,
+    /// Opponent colours.
+    opponents: Vec<Vec4>,
 }
 
 /// Averages samples with the last picture, at a size that is at least theirs. If emitters are a layer apart, samples of them
 /// do not move others.
 pub(super) fn antialiased(
-    frame: &FrameUniforms,
-    guides: &[Guide],
+    present: &History,
     samples: &[Vec3],
     size: [u32; 2],
     last: Option<Last>,
     emitters_are_apart: bool,
 ) -> ShownPicture {
+    let History { frame, guides, projection, .. } = present;
     let is_larger = size != frame.size();
-    let projection = Projection::new(frame);
-    let position = |index: usize| sample_position(frame, &projection, index, &guides[index]);
-    let length = |guide: &Guide| if emitters_are_apart && guide.is_seen_emitter() { f32::MAX } else { guide.length };
-    let opponent = |(sample, guide): (&Vec3, &Guide)| opponent_of(*sample).extend(length(guide));
-    let upscaling = Upscaling {
-        frame,
-        projection,
-        guides,
-        samples,
-        opponents: samples.par_iter().zip(guides).with_min_len(4096).map(opponent).collect(),
-        positions: is_larger.then(|| Planes::new(Grid::new(frame.size()), [0.0; 2], position)),
-        factor: [size[0] as f32 / frame.width as f32, size[1] as f32 / frame.height as f32],
-    };
     if last.is_none() && !is_larger {
         return ShownPicture { size, colours: samples.iter().map(|sample| sample.extend(0.0)).collect() };
     }
+    let grid = Grid::new(frame.size());
+    let opponent = |index: usize| {
+        let guide = &guides[index];
+        let is_apart = emitters_are_apart && guide.is_seen_emitter();
+        let [lightness, orange, green] = opponent_of(samples[index]).to_array();
+        [lightness, orange, green, if is_apart { f32::MAX } else { guide.length }]
+    };
+    let placed = || PlacedSamples {
+        positions: Planes::new(grid, [0.0; 2], |index| sample_position(frame, projection, index, &guides[index])),
+        opponents: samples.par_iter().with_min_len(4096).map(|sample| opponent_of(*sample).extend(0.0)).collect(),
+    };
+    let upscaling = Upscaling {
+        present,
+        frame,
+        grid,
+        samples,
+        opponents: Planes::new(grid, [0.0, 0.0, 0.0, f32::MAX], opponent),
+        placed: is_larger.then(placed),
+        factor: [size[0] as f32 / frame.width as f32, size[1] as f32 / frame.height as f32],
+    };
     let mut colours = vec![Vec4::ZERO; (size[0] * size[1]) as usize];
     let rows = colours.par_chunks_mut(size[0] as usize * SHARED_ROWS).enumerate();
     rows.for_each(|(chunk, colours)| upscaling.fill_rows(chunk * SHARED_ROWS, size[0] as usize, colours, last));
@@ -144,91 +196,153 @@ impl Upscaling<'_> {
         for (row, colours) in colours.chunks_mut(width).enumerate() {
             let v = point(first_row + row, 1);
             let y = (v as usize).min(samples_high - 1);
-            if row_of_samples != y {
+            if let Some(last) = last.filter(|_| row_of_samples != y) {
                 row_of_samples = y;
-                neighbourhoods = (0..samples_wide).map(|x| self.neighbourhood([x, y], last)).collect();
+                neighbourhoods.clear();
+                let each = |place: Place| self.neighbourhoods(place, last).each();
+                neighbourhoods.extend(self.grid.places(y as i32).flat_map(each));
             }
-            for (column, colour) in colours.iter_mut().enumerate() {
-                let u = point(column, 0);
-                let x = (u as usize).min(samples_wide - 1);
-                *colour = self.pixel([u, v], [x, y], &neighbourhoods[x], last).extend(0.0);
+            for (eighth, colours) in colours.chunks_mut(8).enumerate() {
+                let u: [f32; 8] = std::array::from_fn(|lane| point(8 * eighth + lane, 0));
+                let x = u.map(|u| (u as usize).min(samples_wide - 1));
+                let (mut new, mut weights) = ([Vec3::ZERO; 8], [1.0; 8]);
+                for lane in 0..colours.len() {
+                    (new[lane], weights[lane]) = self.interpolated([u[lane], v], [x[lane], y]);
+                }
+                let shown = match last {
+                    Some(last) => {
+                        let around = Neighbourhoods::gathered(&neighbourhoods, x);
+                        self.averaged([u.into(), f32x8::splat(v)], (new, weights), &around, last)
+                    }
+                    None => new,
+                };
+                for (colour, shown) in colours.iter_mut().zip(shown) {
+                    *colour = shown.extend(0.0);
+                }
             }
         }
     }
 
-    /// Colour of the picture at a point, in pixels of the samples, within one of these pixels.
-    fn pixel(&self, point: [f32; 2], pixel: [usize; 2], around: &Neighbourhood, last: Option<Last>) -> Vec3 {
-        let &Neighbourhood { mean, mean_square, ref motion } = around;
-        let (new, weight) = self.interpolated(point, pixel);
-        let Some(Last { picture: shown, history, new_weight, .. }) = last else { return new };
-        let position = motion.as_ref().and_then(|motion| self.before(point, motion, history));
-        let Some(position) = position else { return new };
+    /// Averages new colours of eight pixels of the picture, of these weights, with the last picture. The points of the pixels are
+    /// in pixels of the samples.
+    fn averaged(
+        &self,
+        point: [f32x8; 2],
+        (new, weights): ([Vec3; 8], [f32; 8]),
+        around: &Neighbourhoods,
+        Last { picture: shown, history, new_weight, .. }: Last,
+    ) -> [Vec3; 8] {
+        let position = self.before(point, around, history);
+        let seen = history.shows(&around.sought, &position);
+        if seen.none() {
+            return new;
+        }
         let sampled = history.frame.size();
-        let old = shown.cubic(std::array::from_fn(|k| position[k] * shown.size[k] as f32 / sampled[k] as f32));
-        let deviation = REACH * (mean_square - mean * mean).max(Vec3::ZERO).map(f32::sqrt);
-        let old = colour_of(opponent_of(old).clamp(mean - deviation, mean + deviation)).max(Vec3::ZERO);
-        let moved = |k: usize| position[k] * self.frame.size()[k] as f32 / sampled[k] as f32 - point[k];
-        let speed = (Vec2::new(moved(0), moved(1)).length() / FAST_MOTION).min(1.0);
-        let new_weight = new_weight.max(MOVING_WEIGHT * speed);
-        old.lerp(new, (new_weight * weight).max(MIN_WEIGHT))
+        let [x, y]: [[f32; 8]; 2] = std::array::from_fn(|k| {
+            ([position.x, position.y][k] * (shown.size[k] as f32 / sampled[k] as f32)).to_array()
+        });
+        let mut old = [Vec3::ZERO; 8];
+        for lane in set_bits(seen.to_bitmask()) {
+            old[lane] = shown.cubic([x[lane], y[lane]]);
+        }
+        let (old, Vectors { x: lightness, y: orange, z: green }) = (pack(old), around.mean);
+        let (opponent, deviation) = (opponents_of(old), around.deviation);
+        let limited =
+            |value: f32x8, mean: f32x8, deviation: f32x8| value.fast_max(mean - deviation).fast_min(mean + deviation);
+        let old = colours_of(Vectors::new(
+            limited(opponent.x, lightness, deviation.x),
+            limited(opponent.y, orange, deviation.y),
+            limited(opponent.z, green, deviation.z),
+        ))
+        .max(f32x8::ZERO);
+        let moved =
+            |k: usize| [position.x, position.y][k] * (self.frame.size()[k] as f32 / sampled[k] as f32) - point[k];
+        let speed = (moved(0) * moved(0) + moved(1) * moved(1)).sqrt() * FAST_MOTION.recip();
+        let new_weight = f32x8::splat(new_weight).fast_max(speed.fast_min(f32x8::ONE) * MOVING_WEIGHT);
+        let weight = (new_weight * f32x8::from(weights)).fast_max(f32x8::splat(MIN_WEIGHT));
+        let new = pack(new);
+        unpack(Vectors::select(Mask8(seen), old + (new - old) * weight, new))
     }
 
-    /// Motion of the surface of the sample with this index since the last picture.
-    fn motion_of(&self, index: usize, Last { history, earlier, .. }: Last) -> Option<SurfaceMotion> {
-        let guide = &self.guides[index];
-        let sought = history.sought(guide, earlier.at(index, guide), self.frame);
-        let before = history.projection.project(sought.position)?;
-        Some(SurfaceMotion { sought, before, now: self.projection.project(guide.position)? })
-    }
-
-    /// Position of a point in the last picture, if it moves as this surface does; `None` outside, and where the surface was
-    /// hidden. Both positions are in pixels of the samples.
-    fn before(&self, point: [f32; 2], motion: &SurfaceMotion, history: &History) -> Option<[f32; 2]> {
-        let SurfaceMotion { sought, before, now } = motion;
+    /// Positions of points in the last picture, if they move as these surfaces do; without a mask outside. All are in pixels
+    /// of the samples.
+    #[inline(always)]
+    fn before(&self, [u, v]: [f32x8; 2], around: &Neighbourhoods, history: &History) -> Positions {
+        let Neighbourhoods { before, now, .. } = around;
         // Pictures may differ in size.
         let size = [history.frame.width as f32, history.frame.height as f32];
         let scale = [size[0] / self.frame.width as f32, size[1] / self.frame.height as f32];
-        let [x, y]: [f32; 2] = std::array::from_fn(|k| (point[k] - now[k]) * scale[k] + before[k]);
-        let is_inside = (0.0..size[0]).contains(&x) && (0.0..size[1]).contains(&y);
-        (is_inside && history.shows(sought, [x, y])).then_some([x, y])
+        let (x, y) = ((u - now.x) * scale[0] + before.x, (v - now.y) * scale[1] + before.y);
+        let is_inside = |at: f32x8, size: f32| at.simd_ge(f32x8::ZERO) & at.simd_lt(f32x8::splat(size));
+        Positions { x, y, mask: before.mask & is_inside(x, size[0]) & is_inside(y, size[1]) }
     }
 
-    /// Indices of a pixel of the samples and those around it, row by row.
-    fn square(&self, [x, y]: [usize; 2]) -> impl Iterator<Item = usize> + use<> {
-        let [width, height] = self.frame.size().map(|side| side as usize);
-        let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
-        let columns = x.saturating_sub(1)..=(x + 1).min(width - 1);
-        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
-    }
-
-    /// Samples around a pixel of them.
-    fn neighbourhood(&self, [x, y]: [usize; 2], last: Option<Last>) -> Neighbourhood {
-        let centre = y * self.frame.width as usize + x;
-        let (mut sum, mut squares, mut count) = (Vec4::ZERO, Vec4::ZERO, 0.0);
-        let (mut nearest, mut least) = (centre, self.opponents[centre].w);
-        for index in self.square([x, y]) {
-            let opponent = self.opponents[index];
-            if opponent.w < least {
-                (nearest, least) = (index, opponent.w);
+    /// Neighbourhoods of eight pixels of the samples.
+    fn neighbourhoods(&self, place: Place, Last { history, earlier, .. }: Last) -> Neighbourhoods {
+        let (mut sum, mut squares) = ([f32x8::ZERO; 3], [f32x8::ZERO; 3]);
+        let (mut rows, mut nearest) = (0.0, f32x8::ZERO);
+        let mut least = self.opponents.load(3, place);
+        for dy in -1..=1 {
+            if place.moved(self.grid, 0, dy).is_none() {
+                continue;
             }
-            sum += opponent;
-            squares += opponent * opponent;
-            count += 1.0;
+            rows += 1.0;
+            for dx in -1..=1 {
+                let Some(there) = place.moved(self.grid, dx, dy) else { continue };
+                for (k, (sum, square)) in sum.iter_mut().zip(&mut squares).enumerate() {
+                    let value = self.opponents.load(k, there);
+                    *sum += value;
+                    *square += value * value;
+                }
+                let length = self.opponents.load(3, there);
+                let is_nearer = length.simd_lt(least);
+                least = is_nearer.select(length, least);
+                nearest = is_nearer.select(f32x8::splat((dy * self.grid.width + dx) as f32), nearest);
+            }
         }
-        let motion = last.and_then(|last| self.motion_of(nearest, last));
-        Neighbourhood { mean: sum.xyz() / count, mean_square: squares.xyz() / count, motion }
+        let columns = lanes(|lane| {
+            let x = place.x() + lane;
+            3.0 - f32::from(x == 0) - f32::from(x + 1 >= self.grid.width as usize)
+        });
+        let share = f32x8::ONE / (columns * rows);
+        let (mean, square) = (sum.map(|sum| sum * share), squares.map(|squares| squares * share));
+        let deviation = |k: usize| (square[k] - mean[k] * mean[k]).fast_max(f32x8::ZERO).sqrt() * f32x8::splat(REACH);
+        let (indices, nearest) = (place.indices(self.grid), nearest.to_array());
+        let indices = std::array::from_fn(|lane| {
+            let index = indices[lane] as i32 + nearest[lane] as i32;
+            (index.max(0) as usize).min(self.samples.len() - 1)
+        });
+        let points = self.present.points(indices);
+        let sought = history.sought(&points, earlier, indices, self.frame);
+        Neighbourhoods {
+            mean: Vectors::new(mean[0], mean[1], mean[2]),
+            deviation: Vectors::new(deviation(0), deviation(1), deviation(2)),
+            sought,
+            before: history.projection.project_all(sought.position),
+            now: self.present.projection.project_all(points.position),
+        }
     }
 
     /// Colour at a point, in pixels of the samples, within one of these pixels, and the weight of the sample nearest to it, 0 to 1.
+    #[inline(always)]
     fn interpolated(&self, point: [f32; 2], [x, y]: [usize; 2]) -> (Vec3, f32) {
-        let (grid, width) = (Grid::new(self.frame.size()), self.frame.width as usize);
+        let width = self.grid.width as usize;
         let own = self.samples[y * width + x];
-        let Some(positions) = &self.positions else { return (own, 1.0) };
+        match &self.placed {
+            Some(placed) => self.weighted(placed, point, [x, y]).unwrap_or((own, 0.0)),
+            None => (own, 1.0),
+        }
+    }
+
+    /// Colour at a point, in pixels of the samples, within one of these pixels, by the distances of the samples around, and the
+    /// largest of their weights; `None` if all are far away.
+    fn weighted(&self, placed: &PlacedSamples, point: [f32; 2], [x, y]: [usize; 2]) -> Option<(Vec3, f32)> {
+        let width = self.grid.width as usize;
         let (mut opponent, mut total, mut largest) = (Vec4::ZERO, 0.0, 0.0);
-        for place in (-1..=1).filter_map(|dy| Place::new(x, y as i32).moved(grid, -1, dy)) {
-            let distance = |k: usize| (positions.load(k, place) - f32x8::splat(point[k])) * self.factor[k];
+        for place in (-1..=1).filter_map(|dy| Place::new(x, y as i32).moved(self.grid, -1, dy)) {
+            let distance = |k: usize| (placed.positions.load(k, place) - f32x8::splat(point[k])) * self.factor[k];
             let weights = gaussian(distance(0), distance(1)).to_array();
-            let row = &self.opponents[place.row as usize * width..][..width];
+            let row = &placed.opponents[place.row as usize * width..][..width];
             let inside = usize::from(x == 0)..(width + 1 - x).min(3);
             for (&weight, &there) in weights[inside.clone()].iter().zip(&row[x + inside.start - 1..]) {
                 opponent += there * weight;
@@ -236,7 +350,7 @@ impl Upscaling<'_> {
                 largest = f32::max(largest, weight);
             }
         }
-        if total > 0.0 { (colour_of(opponent.xyz() / total), largest) } else { (own, 1.0) }
+        (total > 0.0).then(|| (colour_of(opponent.xyz() / total), largest))
     }
 }
 
@@ -257,15 +371,22 @@ fn gaussian(dx: f32x8, dy: f32x8) -> f32x8 {
 
 /// Lightness, orange against blue, green against magenta (YCoCg; Malvar and Sullivan 2003). Clamped there, a grey
 /// pattern lets no colour pass.
-fn opponent_of(colour: Vec3) -> Vec3 {
-    let Vec3 { x: r, y: g, z: b } = colour;
-    Vec3::new(0.25 * r + 0.5 * g + 0.25 * b, 0.5 * (r - b), 0.5 * g - 0.25 * (r + b))
+fn opponents_of<N: Real>(FieldVec3 { x: r, y: g, z: b }: FieldVec3<N>) -> FieldVec3<N> {
+    let (half, quarter) = (N::constant(0.5), N::constant(0.25));
+    FieldVec3::new(quarter * r + half * g + quarter * b, half * (r - b), half * g - quarter * (r + b))
 }
 
-/// Inverse of [`opponent_of`].
+/// Inverse of [`opponents_of`].
+fn colours_of<N: Real>(FieldVec3 { x: lightness, y: orange, z: green }: FieldVec3<N>) -> FieldVec3<N> {
+    FieldVec3::new(lightness + orange - green, lightness + green, lightness - orange - green)
+}
+
+fn opponent_of(colour: Vec3) -> Vec3 {
+    opponents_of(FieldVec3::from(colour)).into()
+}
+
 fn colour_of(opponent: Vec3) -> Vec3 {
-    let Vec3 { x: lightness, y: orange, z: green } = opponent;
-    Vec3::new(lightness + orange - green, lightness + green, lightness - orange - green)
+    colours_of(FieldVec3::from(opponent)).into()
 }
 
 impl ShownPicture {

@@ -7,8 +7,10 @@ use super::emitters::EmitterLayer;
 use super::film_view::FilmView;
 use super::indirect::HalfFilm;
 use super::motion::Motion;
-use super::planes::Grid;
-use super::spatial::{DIRECT_REACH, SMOOTH_REACH};
+use super::planes::{Grid, box_sums};
+use super::reflections::Images;
+use super::spatial::{DIRECT_REACH, Filtered, SMOOTH_REACH};
+use super::surfaces::SurfacePlanes;
 use super::temporal::{History, PixelMean, Samples};
 use super::{
     BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
@@ -79,16 +81,18 @@ impl CpuReconstruction {
         let &FilmView { input, guides, means, samples, first_sample, weight } = film;
         let (scene, frame) = (&input.scene, &input.frame);
         let mut clock = PassClock::default();
+        let surfaces = &SurfacePlanes::new(frame, guides, settles(samples));
+        clock.ends("surfaces");
         let divided = means.par_iter().zip(guides.par_iter()).map(|(mean, guide)| direct_irradiance(*mean, guide));
         let mut irradiance: Vec<Vec3> = divided.collect();
-        let has_facets = reflections::exist(guides);
-        let of_facets = |guide: &Guide| guide.reflected.radiance / guide.reflection_divisor();
+        let has_layers = surfaces.have_layers();
+        let of_layer = |guide: &Guide| guide.reflected.radiance / guide.reflection_divisor();
         let mut reflected: Vec<Vec3> =
-            if has_facets { guides.par_iter().with_min_len(4096).map(of_facets).collect() } else { Vec::new() };
+            if has_layers { guides.par_iter().with_min_len(4096).map(of_layer).collect() } else { Vec::new() };
         clock.ends("division by the albedo");
         if options.firefly_filter {
             for light in [&mut irradiance, &mut reflected].into_iter().filter(|light| !light.is_empty()) {
-                fireflies::spread_fireflies(frame.size(), guides, samples as f32, light);
+                fireflies::spread_fireflies(surfaces, samples as f32, light);
             }
             clock.ends("fireflies");
         }
@@ -97,48 +101,47 @@ impl CpuReconstruction {
         let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.scene, scene));
         let earlier = motion.earlier_points(guides, frame.pixel);
         let max_history = self.changes.max_history * (1.0 - weight);
-        let continued = |frame: &FrameUniforms, guides, irradiance: &[Vec3], past: Option<(_, _)>| {
+        let continued = |frame: &FrameUniforms, shown, irradiance: &[Vec3], past: Option<(_, _)>| {
             let past = past.filter(|_| options.reprojection);
-            let limits = self.changes.scene.then(|| temporal::plausible_luminances(frame.size(), irradiance));
+            let limits = self.changes.scene.then(|| temporal::plausible_luminances(frame, irradiance));
             let new = Samples { irradiance, count: samples as f32 };
-            History::new(frame, guides, new, past, max_history, limits.as_deref())
+            History::new(frame, shown, new, past, max_history, limits.as_ref())
         };
-        let history = continued(frame, guides, &irradiance, past.map(|past| (&past.history, &earlier)));
+        let history = continued(frame, (guides, surfaces), &irradiance, past.map(|past| (&past.history, &earlier)));
         clock.ends("reprojection");
         let mut half = HalfFilm::new(film);
         if options.firefly_filter {
-            fireflies::spread_fireflies(half.frame.size(), &half.guides, samples as f32, &mut half.irradiance);
+            fireflies::spread_fireflies(&half.surfaces, samples as f32, &mut half.irradiance);
         }
         let half_earlier = motion.earlier_points(&half.guides, half.frame.pixel);
         let half_past = past.map(|past| (&past.indirect, &half_earlier));
-        let indirect = continued(&half.frame, &half.guides, &half.irradiance, half_past);
+        let indirect = continued(&half.frame, (&half.guides, &half.surfaces), &half.irradiance, half_past);
         let clean_indirect = match options.spatial_filter {
-            true => spatial::filter(&indirect, None, settles(samples), SMOOTH_REACH),
-            false => unfiltered(&indirect, &[]),
+            true => spatial::filter(&indirect, &half.surfaces, None, SMOOTH_REACH),
+            false => Filtered::unfiltered(half.surfaces.grid, &indirect.means, None),
         };
         clock.ends("indirect light");
-        let images = if has_facets { reflections::images(frame, guides, &reflected) } else { Vec::new() };
+        let images = has_layers.then(|| Images::new(frame, (guides, surfaces), &reflected));
         let past_reflections = past.filter(|past| options.reprojection && !past.reflections.is_empty());
-        let past_reflections = past_reflections.map(|past| (&past.history, past.reflections.as_slice(), &earlier));
+        let past_reflections = past_reflections.map(|past| reflections::Past {
+            history: &past.history,
+            means: &past.reflections,
+            earlier: &earlier,
+        });
         let changes = Changes { max_history, ..self.changes };
-        let reflections = match has_facets {
-            true => reflections::accumulated(
-                frame,
-                guides,
-                &images,
-                Samples { irradiance: &reflected, count: samples as f32 },
-                past_reflections,
-                &changes,
-            ),
-            false => Vec::new(),
-        };
+        let reflections = images.as_ref().map_or_else(Vec::new, |images| {
+            let new = Samples { irradiance: &reflected, count: samples as f32 };
+            let present = reflections::Present { frame, guides, surfaces, images, new };
+            present.accumulated(past_reflections, &changes)
+        });
         clock.ends("reflections");
-        let facets = has_facets.then_some((reflections.as_slice(), images.as_slice()));
-        let mut clean = match options.spatial_filter {
-            true => spatial::filter(&history, facets, settles(samples), DIRECT_REACH),
-            false => unfiltered(&history, &reflections),
+        let facets = images.as_ref().map(|images| (reflections.as_slice(), images));
+        let filtered = match options.spatial_filter {
+            true => spatial::filter(&history, surfaces, facets, DIRECT_REACH),
+            false => Filtered::unfiltered(surfaces.grid, &history.means, facets.map(|(means, _)| means)),
         };
-        half.add_to(film, &clean_indirect, &mut clean);
+        let of_walls = |place| half.interpolated(surfaces, place, &clean_indirect);
+        let clean = filtered.radiance(surfaces.grid, guides, of_walls);
         clock.ends("spatial filter");
         let emitters =
             options.emitter_edges.then(|| EmitterLayer::new(&input.context(None), guides, size, first_sample));
@@ -155,7 +158,7 @@ impl CpuReconstruction {
             earlier: &earlier,
             new_weight: new_weight(samples),
         });
-        let shown = antialiased(frame, guides, &clean, size, last, emitters.is_some());
+        let shown = antialiased(&history, &clean, size, last, emitters.is_some());
         clock.ends("anti-aliasing");
         let rest = shown.colours.par_iter().enumerate().map(|(index, colour)| (index, colour.xyz()));
         let picture: Vec<Vec3> = match &emitters {
@@ -175,7 +178,7 @@ impl CpuReconstruction {
     /// Histories of all pixels of the last picture.
     pub(super) fn histories(&self) -> Vec<PixelHistory> {
         let Some(Reconstructed { history, .. }) = &self.present else { return Vec::new() };
-        history.means.iter().map(|&PixelMean { before, length, .. }| PixelHistory { before, length }).collect()
+        history.means.iter().map(PixelMean::history).collect()
     }
 
     /// Motion of each pixel, see [`motions`](super::motions).
@@ -205,55 +208,35 @@ impl CpuReconstruction {
     }
 }
 
-/// Radiance of the means of a history and of the light of facets, if there is any.
-fn unfiltered(history: &History, reflections: &[PixelMean]) -> Vec<Vec3> {
-    let radiance = |(index, mean): (usize, &PixelMean)| {
-        let guide = &history.guides[index];
-        let of_facets = reflections.get(index).map_or(Vec3::ZERO, |mean| mean.irradiance * guide.reflection_divisor());
-        mean.irradiance * guide.divisor() + of_facets
-    };
-    history.means.iter().enumerate().map(radiance).collect()
+/// Squared difference between a picture and the means of its film in luminance of the irradiance, the variance of these means,
+/// and 1.
+fn film_difference(film: &FilmView, picture: &[Vec3], index: usize) -> [f32; 3] {
+    let guide = &film.guides[index];
+    let irradiance = luminance(film.means[index] / guide.divisor());
+    let difference = irradiance - luminance(picture[index] / guide.divisor());
+    [difference * difference, film_variance(guide, irradiance, film.samples as f32), 1.0]
 }
 
-/// Squared difference between a picture and the means of its film in luminance of the irradiance, and the variance of these
-/// means.
-fn film_differences(film: &FilmView, picture: &[Vec3]) -> Vec<[f32; 2]> {
-    let difference = |index: usize| {
-        let guide = &film.guides[index];
-        let irradiance = luminance(film.means[index] / guide.divisor());
-        let difference = irradiance - luminance(picture[index] / guide.divisor());
-        [difference * difference, film_variance(guide, irradiance, film.samples as f32)]
-    };
-    (0..film.means.len()).into_par_iter().with_min_len(4096).map(difference).collect()
-}
-
-/// Weight of the film in a pixel from its difference to the picture around it: what the noise of the film does not explain
-/// is an error of the picture (James and Stein 1961).
-fn unbiased_weight(size: [u32; 2], differences: &[[f32; 2]], index: usize) -> f32 {
-    let [width, height] = size.map(|side| side as i32);
-    let (x, y) = (index as i32 % width, index as i32 / width);
-    let (mut square, mut variance, mut count) = (0.0, 0.0, 0.0);
-    for row in (y - BIAS_RADIUS).max(0)..=(y + BIAS_RADIUS).min(height - 1) {
-        for column in (x - BIAS_RADIUS).max(0)..=(x + BIAS_RADIUS).min(width - 1) {
-            let [there, of_film] = differences[(row * width + column) as usize];
-            (square, variance, count) = (square + there, variance + of_film, count + 1.0);
-        }
-    }
+/// Weight of the film in a pixel of a variance from these sums around it: what the noise of the film does not explain is an error of
+/// the picture (James and Stein 1961).
+fn unbiased_weight([square, variance, count]: [f32; 3], own_variance: f32) -> f32 {
     // A speck is its own noise, whatever is around it.
-    let variance = f32::max(variance, OWN_VARIANCE * count * differences[index][1]);
+    let variance = f32::max(variance, OWN_VARIANCE * count * own_variance);
     (1.0 - variance / f32::max(square, 1e-12)).max(0.0)
 }
 
 /// Mixes a picture with the means of its film, each pixel by the noise of the film and the error of the picture.
 fn mixed_with_film(film: &FilmView, picture: &[Vec3]) -> Vec<Vec3> {
     let size = film.input.frame.size();
-    let differences = film_differences(film, picture);
+    let differences = box_sums(size, BIAS_RADIUS, |index| film_difference(film, picture, index));
     let mixed = |index: usize| {
         let (mean, guide) = (film.means[index], &film.guides[index]);
-        let settled = settled_weight(guide, luminance(mean / guide.divisor()), film.samples as f32);
+        let irradiance = luminance(mean / guide.divisor());
+        let settled = settled_weight(guide, irradiance, film.samples as f32);
+        let variance = film_variance(guide, irradiance, film.samples as f32);
         let settled = match guide.is_mixed {
             true => settled,
-            false => settled.max(unbiased_weight(size, &differences, index)),
+            false => settled.max(unbiased_weight(differences.at(index), variance)),
         };
         // Pixels of several surfaces are not filtered; their noise ends where no colour around them is.
         let settling = if guide.is_mixed { limited(picture, size, index, mean) } else { mean };
@@ -268,7 +251,7 @@ fn limited(picture: &[Vec3], size: [u32; 2], index: usize, colour: Vec3) -> Vec3
     let (x, y) = (index as i32 % grid.width, index as i32 / grid.width);
     let here = (picture[index], picture[index]);
     let (least, most) =
-        grid.around(x, y, 1).fold(here, |(least, most), there| (least.min(picture[there]), most.max(picture[there])));
+        grid.around(x, y).fold(here, |(least, most), there| (least.min(picture[there]), most.max(picture[there])));
     colour.clamp(least, most)
 }
 
@@ -325,7 +308,10 @@ mod tests {
 
     #[test]
     fn the_film_counts_where_its_noise_does_not_explain_the_difference() {
-        let weight = |differences: &[[f32; 2]]| unbiased_weight([5, 5], differences, 12);
+        let weight = |differences: &[[f32; 2]; 25]| {
+            let sum = |k: usize| differences.iter().map(|difference| difference[k]).sum();
+            unbiased_weight([sum(0), sum(1), 25.0], differences[12][1])
+        };
         // As large as the noise of the film, and ten times as large.
         assert_eq!(weight(&[[0.04, 0.04]; 25]), 0.0);
         assert!((weight(&[[0.4, 0.04]; 25]) - 0.9).abs() < 1e-6);

@@ -32,6 +32,8 @@ pub(super) struct EmitterLayer {
 struct EmitterMap {
     grid: Grid,
     shown: Vec<u8>,
+    /// Number of samples that show emitters in the square of 3x3 around each.
+    around: Vec<u8>,
 }
 
 /// The sample shows an emitter.
@@ -44,19 +46,37 @@ impl EmitterMap {
     fn new(size: [u32; 2], guides: &[Guide]) -> Option<Self> {
         let of = |guide: &Guide| u8::from(guide.is_seen_emitter()) * EMITTER + u8::from(guide.is_mixed) * MIXED;
         let shown: Vec<u8> = guides.par_iter().with_min_len(4096).map(of).collect();
-        shown.iter().any(|shown| shown & EMITTER != 0).then(|| Self { grid: Grid::new(size), shown })
+        let emitters: Vec<u8> = shown.iter().map(|shown| shown & EMITTER).collect();
+        if emitters.iter().all(|emitter| *emitter == 0) {
+            return None;
+        }
+        let width = size[0] as usize;
+        let mut beside = emitters.clone();
+        for (beside, emitters) in beside.chunks_mut(width).zip(emitters.chunks(width)) {
+            add(&mut beside[1..], emitters);
+            add(beside, &emitters[1..]);
+        }
+        let mut around = beside.clone();
+        add(&mut around[width..], &beside);
+        add(&mut around, &beside[width..]);
+        Some(Self { grid: Grid::new(size), shown, around })
     }
 
     /// Number of samples that show emitters in the square around one.
     fn emitters_around(&self, index: usize) -> u32 {
-        square(self.grid, index).map(|there| u32::from(self.shown[there] & EMITTER)).sum()
+        self.around[index].into()
     }
+}
+
+/// Adds numbers to others, as far as there are both.
+fn add(sums: &mut [u8], numbers: &[u8]) {
+    sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
 }
 
 /// Pixels of the square of 3x3 around a pixel.
 fn square(grid: Grid, index: usize) -> impl Iterator<Item = usize> {
     let (x, y) = (index as i32 % grid.width, index as i32 / grid.width);
-    grid.around(x, y, 1).chain([index])
+    grid.around(x, y).chain([index])
 }
 
 impl EmitterLayer {
@@ -89,7 +109,7 @@ impl EmitterLayer {
 
     /// Colours of samples without emitters: a pixel that shows one has the mean of those around it that show none.
     pub(super) fn without_emitters(&self, colours: &[Vec3]) -> Vec<Vec3> {
-        let EmitterMap { grid, ref shown } = self.map;
+        let EmitterMap { grid, ref shown, .. } = self.map;
         let colour = |index: usize| {
             if shown[index] == 0 || self.map.emitters_around(index) < MIN_EMITTER_SAMPLES {
                 return colours[index];

@@ -3,7 +3,9 @@
 use super::gpu_buffers::{Buffers, FacetBuffers, FilmBuffers};
 use super::motion::LeafMotion;
 use super::spatial::{DIRECT_REACH, SMOOTH_REACH, STEPS};
-use super::{PassTime, ReconstructOptions, antialiasing, fireflies, indirect, motion, reflections, spatial, temporal};
+use super::{
+    PassTime, ReconstructOptions, antialiasing, fireflies, indirect, motion, reflections, spatial, surfaces, temporal,
+};
 use crate::backend::gpu::shaders::{ShaderFile, shader_files, with_imports};
 use crate::backend::gpu::{Device, GpuTimer};
 use crate::error::RenderError;
@@ -97,7 +99,8 @@ pub(super) static FILES: &[ShaderFile] = shader_files![
     "reconstruct/indirect" shares indirect::shared_wgsl,
     "reconstruct/pass" shares || {
         [declaration::<PassUniforms>(), declaration::<LeafMotion>(), super::shared_wgsl(), temporal::shared_wgsl(),
-            spatial::shared_wgsl(), fireflies::shared_wgsl(), motion::shared_wgsl(), emitter_coverage::shared_wgsl()]
+            surfaces::shared_wgsl(), spatial::shared_wgsl(), fireflies::shared_wgsl(), motion::shared_wgsl(),
+            emitter_coverage::shared_wgsl()]
         .concat()
     },
     "reconstruct/reflections" shares reflections::shared_wgsl,

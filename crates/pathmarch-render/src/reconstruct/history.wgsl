@@ -88,7 +88,7 @@ fn mean_at(place: vec2f, sought: Guide, side: f32, finds: u32) -> History {
         found.length += past.length * weight;
         total += weight;
     }
-    if total <= 0.01 {
+    if total <= MIN_FOUND_WEIGHT {
         found.length = 0.0;
         return found;
     }

@@ -11,8 +11,10 @@
 //! **Limits.** Light through glass, that of facets, and that of fractals is not split.
 
 use super::film_view::FilmView;
-use super::planes::Grid;
-use super::{direct_irradiance, luminance, variance_without_facets};
+use super::planes::Place;
+use super::spatial::Filtered;
+use super::surfaces::{SurfacePlanes, Vectors};
+use super::{direct_irradiance, luminance, settles, variance_without_facets};
 use crate::integrator::guides::{Guide, GuideClass};
 use crate::integrator::medium_light::MEDIUM_ALPHA;
 use crate::integrator::reflected_light::ReflectedLight;
@@ -21,6 +23,7 @@ use crate::wgsl::shared_constants;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
+use wide::f32x8;
 
 shared_constants! {
     /// Least cosine between the normals of pixels of 2x2 that are averaged.
@@ -35,6 +38,7 @@ shared_constants! {
 pub(super) struct HalfFilm {
     pub(super) frame: FrameUniforms,
     pub(super) guides: Arc<Vec<Guide>>,
+    pub(super) surfaces: SurfacePlanes,
     pub(super) irradiance: Vec<Vec3>,
 }
 
@@ -46,29 +50,32 @@ pub(super) fn half_frame(frame: &FrameUniforms) -> FrameUniforms {
 
 /// Guide of a surface and the mean indirect irradiance of its pixels among these; that of the first pixel if none has such
 /// light.
-fn averaged(film: &FilmView, pixels: impl Iterator<Item = usize> + Clone) -> (Guide, Vec3) {
-    let of = |pixel: usize| &film.guides[pixel];
-    let surfaces = pixels.clone().filter(|&pixel| of(pixel).class == GuideClass::Surface);
+fn averaged(film: &FilmView, pixels: &[usize]) -> (Guide, Vec3) {
+    let guides = film.guides.as_slice();
     // What is in front counts, so that thin objects have light; but the mean of several surfaces is that of none.
-    let first = |&a: &usize, &b: &usize| {
-        let (a, b) = (of(a), of(b));
-        a.is_mixed.cmp(&b.is_mixed).then(a.length.total_cmp(&b.length))
-    };
-    let Some(front) = surfaces.clone().min_by(first) else {
-        return (pixels.map(of).next().copied().unwrap_or(Guide::NONE), Vec3::ZERO);
-    };
-    let front = of(front);
+    let is_before = |a: &Guide, b: &Guide| (a.is_mixed, a.length) < (b.is_mixed, b.length);
+    let mut front: Option<&Guide> = None;
+    for guide in pixels.iter().map(|&pixel| &guides[pixel]).filter(|guide| guide.class == GuideClass::Surface) {
+        if front.is_none_or(|front| is_before(guide, front)) {
+            front = Some(guide);
+        }
+    }
+    let Some(front) = front else { return (guides[pixels[0]], Vec3::ZERO) };
     let is_part = |guide: &Guide| {
-        let is_same = guide.object == front.object
+        let is_same = guide.class == GuideClass::Surface
+            && guide.object == front.object
             && guide.is_mixed == front.is_mixed
             && guide.has_medium() == front.has_medium();
         is_same && guide.normal.dot(front.normal) >= MIN_BLOCK_COSINE
     };
     let (mut sum, mut position, mut variance, mut count) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0);
-    for (pixel, guide) in surfaces.map(|pixel| (pixel, of(pixel))).filter(|(_, guide)| is_part(guide)) {
+    for (pixel, guide) in pixels.iter().map(|&pixel| (pixel, &guides[pixel])).filter(|(_, guide)| is_part(guide)) {
         sum += guide.indirect.max(Vec3::ZERO) / guide.divisor();
         position += guide.position;
-        variance += variance_without_facets(guide, luminance(direct_irradiance(film.means[pixel], guide)));
+        // Nothing reads that of one sample.
+        if film.samples > 1 {
+            variance += variance_without_facets(guide, luminance(direct_irradiance(film.means[pixel], guide)));
+        }
         count += 1.0;
     }
     let (irradiance, position) = (sum / count, position / count);
@@ -90,60 +97,72 @@ fn averaged(film: &FilmView, pixels: impl Iterator<Item = usize> + Clone) -> (Gu
     (guide, irradiance)
 }
 
+/// Eight pixels and those beside them on one side, the left of even pixels and the right of odd ones, from numbers of pixels of
+/// half the resolution, of which the first is left of that of the first pixel.
+#[inline(always)]
+fn interleaved(half: f32x8) -> [f32x8; 2] {
+    let [a, b, c, d, e, f, ..] = half.to_array();
+    [f32x8::new([b, b, c, c, d, d, e, e]), f32x8::new([a, c, b, d, c, e, d, f])]
+}
+
 impl HalfFilm {
     /// Indirect light of a film, averaged over blocks of 2x2 pixels.
     pub(super) fn new(film: &FilmView) -> Self {
-        let grid = Grid::new(film.input.frame.size());
+        let [width, height] = film.input.frame.size().map(|side| side as usize);
         let frame = half_frame(&film.input.frame);
         let block = |index: u32| {
-            let (x, y) = (2 * (index % frame.width) as i32, 2 * (index / frame.width) as i32);
-            let pixels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| grid.index(x + dx, y + dy));
-            averaged(film, pixels.into_iter().flatten())
+            let (x, y) = (2 * (index % frame.width) as usize, 2 * (index / frame.width) as usize);
+            let first = y * width + x;
+            match (x + 1 < width, y + 1 < height) {
+                (true, true) => averaged(film, &[first, first + 1, first + width, first + width + 1]),
+                (true, false) => averaged(film, &[first, first + 1]),
+                (false, true) => averaged(film, &[first, first + width]),
+                (false, false) => averaged(film, &[first]),
+            }
         };
-        let (guides, irradiance) =
+        let (guides, irradiance): (Vec<Guide>, _) =
             (0..frame.width * frame.height).into_par_iter().with_min_len(1024).map(block).unzip();
-        Self { frame, guides: Arc::new(guides), irradiance }
+        let surfaces = SurfacePlanes::new(&frame, &guides, settles(film.samples));
+        Self { frame, guides: Arc::new(guides), surfaces, irradiance }
     }
 
-    /// Adds filtered indirect light of half the resolution to the radiance of the pixels.
-    pub(super) fn add_to(&self, film: &FilmView, filtered: &[Vec3], radiance: &mut [Vec3]) {
-        let (width, pixel) = (film.input.frame.width, film.input.frame.pixel);
-        let grid = Grid::new(self.frame.size());
-        radiance.par_iter_mut().enumerate().with_min_len(1024).for_each(|(index, radiance)| {
-            let guide = &film.guides[index];
-            if guide.class != GuideClass::Surface {
-                return;
+    /// Indirect irradiance of eight pixels, and the mask of those whose surface the pixels of half the resolution show.
+    #[inline(always)]
+    pub(super) fn interpolated(&self, surfaces: &SurfacePlanes, place: Place, filtered: &Filtered) -> (Vectors, f32x8) {
+        let (position, normal, pixel) = (surfaces.position(place), surfaces.normal(place), surfaces.pixel(place));
+        let surface = surfaces.surface(place).abs();
+        let (mut sum, mut total) = (Vectors::splat(f32x8::ZERO), f32x8::ZERO);
+        let half = Place { row: place.row / 2, column: Place::new(place.x() / 2, 0).column - 1 };
+        for (dy, weights) in [(0, [9.0, 3.0]), (2 * (place.row % 2) - 1, [3.0, 1.0])] {
+            let Some(there) = half.moved(self.surfaces.grid, 0, dy) else { continue };
+            let both = |v: Vectors| {
+                let ([ax, bx], [ay, by], [az, bz]) = (interleaved(v.x), interleaved(v.y), interleaved(v.z));
+                [Vectors::new(ax, ay, az), Vectors::new(bx, by, bz)]
+            };
+            let positions = both(self.surfaces.position(there));
+            let normals = both(self.surfaces.normal(there));
+            let half_surfaces = interleaved(self.surfaces.surface(there).abs());
+            let light = both(filtered.base(there));
+            for k in 0..2 {
+                let apart = positions[k] - position;
+                let along = normal.dot(apart).abs().fast_max(normals[k].dot(apart).abs());
+                let plane = f32x8::ONE - along / (pixel * INTERPOLATION_REACH);
+                let cosine = normal.dot(normals[k]).fast_max(f32x8::ZERO);
+                let square = cosine * cosine;
+                let fourth = square * square;
+                let similarity = plane.fast_max(f32x8::ZERO) * fourth * fourth * weights[k];
+                let weight = surface.simd_eq(half_surfaces[k]) & similarity;
+                sum = sum + light[k] * weight;
+                total += weight;
             }
-            let (x, y) = (index as i32 % width as i32, index as i32 / width as i32);
-            let [right, down] = [2 * (x % 2) - 1, 2 * (y % 2) - 1];
-            let (mut sum, mut total) = (Vec3::ZERO, 0.0);
-            for (dx, dy, weight) in [(0, 0, 9.0), (right, 0, 3.0), (0, down, 3.0), (right, down, 1.0)] {
-                let Some(there) = grid.index(x / 2 + dx, y / 2 + dy) else { continue };
-                let weight = weight * similarity(guide, &self.guides[there], pixel);
-                (sum, total) = (sum + filtered[there] * weight, total + weight);
-            }
-            let is_found = total > MIN_INTERPOLATION_WEIGHT;
-            *radiance += if is_found { sum / total * guide.divisor() } else { guide.indirect };
-        });
+        }
+        (sum / total, total.simd_gt(f32x8::splat(MIN_INTERPOLATION_WEIGHT)))
     }
-}
-
-/// Weight of a pixel of half the resolution for one of the full resolution, whose sides are `pixel` at distance one.
-fn similarity(guide: &Guide, half: &Guide, pixel: f32) -> f32 {
-    let is_same = half.object == guide.object && half.has_medium() == guide.has_medium();
-    if half.class != GuideClass::Surface || !is_same {
-        return 0.0;
-    }
-    let apart = half.position - guide.position;
-    let along = guide.normal.dot(apart).abs().max(half.normal.dot(apart).abs());
-    let plane = 1.0 - along / (INTERPOLATION_REACH * pixel * guide.length);
-    let cosine = guide.normal.dot(half.normal).max(0.0);
-    let fourth = cosine * cosine * cosine * cosine;
-    plane.max(0.0) * fourth * fourth
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::temporal::PixelMean;
     use super::*;
     use crate::backend::RenderInput;
     use crate::settings::Settings;
@@ -201,8 +220,13 @@ mod tests {
             let film = film(&input, &samples);
             let half = HalfFilm::new(&film);
             assert_eq!(half.irradiance.len(), half.guides.len());
-            let mut radiance = vec![Vec3::ZERO; guides.len()];
-            half.add_to(&film, &half.irradiance, &mut radiance);
+            let mean = |irradiance: &Vec3| PixelMean { irradiance: *irradiance, ..PixelMean::default() };
+            let means: Vec<PixelMean> = half.irradiance.iter().map(mean).collect();
+            let filtered = Filtered::unfiltered(half.surfaces.grid, &means, None);
+            let surfaces = SurfacePlanes::new(&input.frame, film.guides, false);
+            let dark = Filtered::unfiltered(surfaces.grid, &vec![PixelMean::default(); guides.len()], None);
+            let radiance =
+                dark.radiance(surfaces.grid, film.guides, |place| half.interpolated(&surfaces, place, &filtered));
             for (guide, radiance) in film.guides.iter().zip(radiance) {
                 assert!((radiance - guide.indirect).abs().max_element() < 1e-4, "{radiance} for {}", guide.indirect);
             }

@@ -32,6 +32,7 @@ mod planes;
 mod reflections;
 mod sequence;
 mod spatial;
+mod surfaces;
 mod temporal;
 
 use crate::backend::RenderInput;
@@ -315,14 +316,8 @@ fn film_variance(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
     (guide.square - irradiance * irradiance).max(0.0) / samples
 }
 
-/// Mean square of the luminance of the direct light of samples, whose mean is `direct`. It has the variance of all light but
-/// that of facets, so that it is rather too large.
-fn direct_square(guide: &Guide, direct: f32) -> f32 {
-    direct * direct + variance_without_facets(guide, direct)
-}
-
 /// Variance of the luminance of samples without the light of facets, if `direct` is the mean of the direct light. Both are
-/// taken for independent.
+/// taken for independent. It is that of all other light, so that it is rather too large for the direct one.
 fn variance_without_facets(guide: &Guide, direct: f32) -> f32 {
     let [all, of_facets] = [guide.divisor(), guide.reflection_divisor()];
     let mean = direct + luminance((guide.indirect + guide.reflected.radiance) / all);

@@ -8,8 +8,9 @@
 //! [`MAX_DEFORMING_LEAVES`]; their pixels go on only where the point is on the surface of the last picture by chance, and
 //! start anew elsewhere. Between scenes of different structure nothing moves.
 
+use super::surfaces::Vectors;
 use crate::integrator::guides::{Guide, NO_LEAF};
-use crate::intersect::ray::lanes;
+use crate::intersect::ray::{lanes, transposed};
 use crate::scene::RenderScene;
 use crate::wgsl::{shared_constants, shared_struct};
 use glam::Vec3;
@@ -87,6 +88,20 @@ impl EarlierPoints {
     pub(crate) fn at(&self, index: usize, guide: &Guide) -> EarlierPoint {
         let still = EarlierPoint { position: guide.position, normal: guide.normal };
         self.0.get(index).copied().unwrap_or(still)
+    }
+
+    /// Earlier positions and normals of the pixels of these indices; `None` if nothing moves.
+    #[inline]
+    pub(super) fn lanes(&self, indices: [usize; 8]) -> Option<(Vectors, Vectors)> {
+        if self.0.is_empty() {
+            return None;
+        }
+        let row = |index: usize| {
+            let EarlierPoint { position: p, normal: n } = self.0[index];
+            [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0]
+        };
+        let [px, py, pz, _, nx, ny, nz, _] = transposed(indices.map(row));
+        Some((Vectors::new(px, py, pz), Vectors::new(nx, ny, nz)))
     }
 }
 

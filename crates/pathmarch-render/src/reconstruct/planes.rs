@@ -22,17 +22,34 @@ impl Grid {
         ((0..self.width).contains(&x) && (0..self.height).contains(&y)).then(|| (y * self.width + x) as usize)
     }
 
-    /// Pixels of the square around a pixel, without itself.
-    pub(super) fn around(self, x: i32, y: i32, radius: i32) -> impl Iterator<Item = usize> {
-        square_around(radius).filter_map(move |(dx, dy)| self.index(x + dx, y + dy))
+    /// Pixels next to a pixel.
+    pub(super) fn around(self, x: i32, y: i32) -> impl Iterator<Item = usize> {
+        SQUARE_OF_3.into_iter().filter_map(move |(dx, dy)| self.index(x + dx, y + dy))
+    }
+
+    /// Places of all pixels of a row, eight at a time.
+    pub(super) fn places(self, row: i32) -> impl Iterator<Item = Place> {
+        (0..self.width as usize).step_by(8).map(move |x| Place::new(x, row))
     }
 }
 
-/// Offsets to the pixels of the square around a pixel, without itself.
-pub(super) fn square_around(radius: i32) -> impl Iterator<Item = (i32, i32)> {
-    let square = (-radius..=radius).flat_map(move |dy| (-radius..=radius).map(move |dx| (dx, dy)));
-    square.filter(|offset| *offset != (0, 0))
+/// Offsets to the `COUNT` pixels of the square around a pixel, without itself.
+pub(super) const fn square_around<const COUNT: usize>(radius: i32) -> [(i32, i32); COUNT] {
+    let (mut offsets, mut count, side) = ([(0, 0); COUNT], 0, 2 * radius + 1);
+    let mut k = 0;
+    while k < side * side {
+        let offset = (k % side - radius, k / side - radius);
+        if offset.0 != 0 || offset.1 != 0 {
+            offsets[count] = offset;
+            count += 1;
+        }
+        k += 1;
+    }
+    offsets
 }
+
+/// Offsets to the pixels of the square of 3x3 around a pixel, without itself.
+pub(super) const SQUARE_OF_3: [(i32, i32); 8] = square_around(1);
 
 /// Number of pixels beside the rows of [`Planes`], at least the largest reach of the filter and eight more.
 pub(super) const MARGIN: usize = 16;
@@ -53,6 +70,18 @@ pub(super) struct Place {
 impl Place {
     pub(super) fn new(x: usize, row: i32) -> Self {
         Self { row, column: (x + MARGIN) as i32 }
+    }
+
+    /// Column of the first pixel.
+    pub(super) fn x(self) -> usize {
+        self.column as usize - MARGIN
+    }
+
+    /// Indices of the pixels of a picture; beyond the end of the row those of others.
+    pub(super) fn indices(self, grid: Grid) -> [usize; 8] {
+        let (first, last) =
+            (self.row as usize * grid.width as usize + self.x(), (grid.width * grid.height) as usize - 1);
+        std::array::from_fn(|lane| (first + lane).min(last))
     }
 
     /// Place so many pixels further; `None` above and below the picture.
@@ -78,13 +107,15 @@ impl<const N: usize> Planes<N> {
     /// Planes of a function of all pixels; the margins have these numbers.
     pub(super) fn new(grid: Grid, margin: [f32; N], values: impl Fn(usize) -> [f32; N] + Sync) -> Self {
         Self::filled(grid, |planes, row| {
+            let width = grid.width as usize;
             for (plane, margin) in planes.iter_mut().zip(margin) {
-                plane.fill(margin);
+                plane[..MARGIN].fill(margin);
+                plane[MARGIN + width..].fill(margin);
             }
-            for x in 0..grid.width as usize {
-                let numbers = values(row as usize * grid.width as usize + x);
-                for (plane, number) in planes.iter_mut().zip(numbers) {
-                    plane[MARGIN + x] = number;
+            for x in 0..width {
+                let numbers = values(row as usize * width + x);
+                for (plane, number) in planes.iter_mut().zip(&numbers) {
+                    plane[MARGIN + x] = *number;
                 }
             }
         })
@@ -92,10 +123,21 @@ impl<const N: usize> Planes<N> {
 
     /// Planes of a function of eight adjoining pixels.
     pub(super) fn of_eight(grid: Grid, values: impl Fn(Place) -> [f32x8; N] + Sync) -> Self {
+        Self::within(grid, [0.0; N], values)
+    }
+
+    /// Planes of a function of eight adjoining pixels; the margins have these numbers.
+    pub(super) fn within(grid: Grid, margin: [f32; N], values: impl Fn(Place) -> [f32x8; N] + Sync) -> Self {
         Self::filled(grid, |planes, row| {
-            for x in (0..grid.width as usize).step_by(8) {
-                for (plane, value) in planes.iter_mut().zip(values(Place::new(x, row))) {
-                    plane[MARGIN + x..MARGIN + x + 8].copy_from_slice(&value.to_array());
+            for (plane, margin) in planes.iter_mut().zip(margin) {
+                plane[..MARGIN].fill(margin);
+                plane[MARGIN + grid.width as usize..].fill(margin);
+            }
+            for place in grid.places(row) {
+                let column = place.column as usize;
+                // Arrays that are iterated by value are copied once more.
+                for (plane, value) in planes.iter_mut().zip(&values(place)) {
+                    plane[column..column + 8].copy_from_slice(value.as_array());
                 }
             }
         })
@@ -118,12 +160,18 @@ impl<const N: usize> Planes<N> {
         }
         lanes
     }
+}
 
-    /// Number `k` of a row, without its margins.
-    pub(super) fn row(&self, grid: Grid, k: usize, row: usize) -> &[f32] {
-        let start = (row * N + k) * self.stride + MARGIN;
-        &self.numbers[start..start + grid.width as usize]
-    }
+/// Values of all pixels, from those of eight adjoining ones.
+pub(super) fn by_eight<T: Copy + Default + Send>(grid: Grid, of: impl Fn(Place) -> [T; 8] + Sync) -> Vec<T> {
+    let width = grid.width as usize;
+    let mut values = vec![T::default(); width * grid.height as usize];
+    values.par_chunks_mut(width).enumerate().with_min_len(8).for_each(|(row, values)| {
+        for (place, values) in grid.places(row as i32).zip(values.chunks_mut(8)) {
+            values.copy_from_slice(&of(place)[..values.len()]);
+        }
+    });
+    values
 }
 
 /// Sums over the squares around all pixels, of half this side, of functions of a pixel.
@@ -171,27 +219,34 @@ fn sums_where<const N: usize>(
         for k in -radius..=radius {
             let Some(there) = place.moved(grid, k * dx, k * dy) else { continue };
             let counts = counts(place, there);
-            for (sum, value) in sums.iter_mut().zip(values.lanes(there)) {
-                *sum += counts & value;
+            for (sum, value) in sums.iter_mut().zip(&values.lanes(there)) {
+                *sum += counts & *value;
             }
         }
         sums
     };
     let rows = Planes::of_eight(grid, |place| sums(&values, place, [1, 0]));
     let sums = Planes::of_eight(grid, |place| sums(&rows, place, [0, 1]));
-    BoxSums { width: grid.width as usize, sums }
+    BoxSums { grid, sums }
 }
 
 /// Sums of [`box_sums`].
 pub(super) struct BoxSums<const N: usize> {
-    width: usize,
+    pub(super) grid: Grid,
     sums: Planes<N>,
 }
 
 impl<const N: usize> BoxSums<N> {
+    /// Sums around eight pixels.
+    #[inline(always)]
+    pub(super) fn lanes(&self, place: Place) -> [f32x8; N] {
+        self.sums.lanes(place)
+    }
+
     /// Sums around the pixel of an index.
     pub(super) fn at(&self, index: usize) -> [f32; N] {
-        let (row, column) = (index / self.width, index % self.width + MARGIN);
+        let width = self.grid.width as usize;
+        let (row, column) = (index / width, index % width + MARGIN);
         std::array::from_fn(|k| self.sums.numbers[(N * row + k) * self.sums.stride + column])
     }
 }

@@ -21,18 +21,19 @@
 //! so that histories of its light are short.
 
 use super::motion::EarlierPoints;
-use super::planes::box_sums_of_surfaces;
+use super::planes::{Place, Planes, box_sums_of_surfaces, by_eight};
+use super::surfaces::{SurfacePlanes, Vectors};
 use super::temporal::{
-    Clamp, History, MIN_NORMAL_COSINE, PixelMean, SMOOTH_NEIGHBOURS, Samples, camera_moves, joined, plausible_range,
-    smooth_neighbours,
+    Clamp, Found, History, MIN_NORMAL_COSINE, Means, PixelMean, Positions, Samples, camera_moves, plausible_range,
 };
 use super::{Changes, luminance};
 use crate::integrator::guides::Guide;
-use crate::integrator::medium_light::{MEDIUM_REACH, distance_in_medium};
+use crate::integrator::medium_light::{MEDIUM_ALPHA, MEDIUM_REACH, distance_in_medium};
+use crate::intersect::ray::lanes;
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
-use rayon::prelude::*;
+use wide::f32x8;
 
 shared_constants! {
     /// Half the side of the square over which the light of facets and the distance of what is mirrored are averaged, pixels.
@@ -57,66 +58,79 @@ shared_constants! {
     const MAX_IMAGELESS_HISTORY: f32 = 3.0;
 }
 
-/// True if some pixel shows facets or media.
-pub(super) fn exist(guides: &[Guide]) -> bool {
-    guides.iter().any(Guide::has_layer)
-}
+/// Images of what the facets of all pixels mirror, or of media.
+pub(super) struct Images(Planes<5>);
 
-/// Image of what the facets of a pixel mirror, or of a medium.
-#[derive(Clone, Copy, Default)]
+/// Images of eight pixels; 0 where there are none.
 pub(super) struct Image {
     /// Distance of the image behind the surface, metres, below 0 for media in front of it; [`NO_IMAGE`] if the surface is not
     /// smooth.
-    depth: f32,
+    depth: f32x8,
     /// Largest distance of points of the surface that share their light, metres; the [depth of the surface](depth_of_surface)
     /// in the medium in front of it.
-    pub(super) reach: f32,
+    pub(super) reach: f32x8,
     /// Least and largest plausible luminance, divided as the light is filtered.
-    limits: [f32; 2],
+    limits: [f32x8; 2],
     /// Longest history while the camera moves, samples.
-    max_history: f32,
+    max_history: f32x8,
 }
 
-/// Images of all pixels, whose facets or media have this light, divided as it is filtered.
-pub(super) fn images(frame: &FrameUniforms, guides: &[Guide], reflected: &[Vec3]) -> Vec<Image> {
-    let size = frame.size();
-    let values = |index: usize| {
-        let guide = &guides[index];
-        let light = luminance(reflected[index]);
-        if !guide.has_layer() {
-            return [0.0; 5];
-        }
-        let weight = luminance(guide.reflected.radiance) + DARK_WEIGHT;
-        [light, light * light, weight, weight * guide.reflected.depth, 1.0]
-    };
-    let around = box_sums_of_surfaces(size, IMAGE_RADIUS, MIN_NORMAL_COSINE, |index| layer_of(&guides[index]), values);
-    let image = |index: usize| {
-        let guide = &guides[index];
-        if !guide.has_layer() {
-            return Image::default();
-        }
-        let [light, squares, weight, weighted_depth, count] = around.at(index);
-        let depth = (weighted_depth / weight).min(MAX_IMAGE_DEPTH);
-        let limits = plausible_range([light, squares, count], IMAGE_REACH);
-        if guide.has_medium() {
-            let distance = distance_in_medium(depth, frame.far);
-            let reach = depth_of_surface(guide.length, distance);
-            return Image { depth: distance - guide.length, reach, limits, max_history: MAX_MEDIUM_HISTORY };
-        }
-        let distance = guide.length * depth / (1.0 - depth);
-        let lobe_reach = LOBE_REACH * guide.reflected.alpha * distance;
-        let Some([curvature, turn]) = curvature(guides, size, index) else {
-            return Image { depth: NO_IMAGE, reach: lobe_reach, limits: [0.0, f32::MAX], max_history: f32::MAX };
+impl Images {
+    #[inline(always)]
+    pub(super) fn at(&self, place: Place) -> Image {
+        let [depth, reach, least, most, max_history] = self.0.lanes(place);
+        Image { depth, reach, limits: [least, most], max_history }
+    }
+
+    /// Images of all pixels, whose facets or media have this light, divided as it is filtered.
+    pub(super) fn new(
+        frame: &FrameUniforms,
+        (guides, surfaces): (&[Guide], &SurfacePlanes),
+        reflected: &[Vec3],
+    ) -> Self {
+        let values = |index: usize| {
+            let guide = &guides[index];
+            let light = luminance(reflected[index]);
+            if !guide.has_layer() {
+                return [0.0; 5];
+            }
+            let weight = luminance(guide.reflected.radiance) + DARK_WEIGHT;
+            [light, light * light, weight, weight * guide.reflected.depth, 1.0]
         };
-        let bent = 1.0 + 2.0 * curvature * distance;
-        Image {
-            depth: distance / bent.max(MIN_MAGNIFICATION),
-            reach: lobe_reach,
-            limits,
-            max_history: guide.reflected.alpha / (turn * frame.pixel * guide.length + MIN_TURN),
-        }
-    };
-    (0..guides.len()).into_par_iter().with_min_len(1024).map(image).collect()
+        let layer = |index: usize| layer_of(&guides[index]);
+        let around = box_sums_of_surfaces(frame.size(), IMAGE_RADIUS, MIN_NORMAL_COSINE, layer, values);
+        Self(Planes::of_eight(surfaces.grid, |place| {
+            let alpha = surfaces.alpha(place);
+            if alpha.simd_le(f32x8::ZERO).all() {
+                return [f32x8::ZERO; 5];
+            }
+            let [light, squares, weight, weighted_depth, count] = around.lanes(place);
+            let depth = (weighted_depth / weight).fast_min(f32x8::splat(MAX_IMAGE_DEPTH));
+            let [least, most] = plausible_range([light, squares, count], IMAGE_REACH);
+            let length = surfaces.length(place);
+            let in_medium = distance_in_medium(depth, frame.far);
+            let distance = length * depth / (f32x8::ONE - depth);
+            let Curvatures { mean, turn, are_smooth } = Curvatures::new(surfaces, place);
+            let bent = f32x8::ONE + mean * distance * 2.0;
+            let facets = [
+                are_smooth.select(distance / bent.fast_max(f32x8::splat(MIN_MAGNIFICATION)), f32x8::splat(NO_IMAGE)),
+                alpha * distance * LOBE_REACH,
+                are_smooth & least,
+                are_smooth.select(most, f32x8::splat(f32::MAX)),
+                are_smooth.select(alpha / (turn * length * frame.pixel + MIN_TURN), f32x8::splat(f32::MAX)),
+            ];
+            let max_history = f32x8::splat(MAX_MEDIUM_HISTORY);
+            let media = [in_medium - length, depth_of_surface(length, in_medium), least, most, max_history];
+            let (have_layer, are_media) = (alpha.simd_gt(f32x8::ZERO), are_media(alpha));
+            std::array::from_fn(|k| have_layer & are_media.select(media[k], facets[k]))
+        }))
+    }
+}
+
+/// Mask of the pixels behind media, from the alphas of their layers.
+#[inline(always)]
+pub(super) fn are_media(alpha: f32x8) -> f32x8 {
+    alpha.simd_eq(f32x8::splat(MEDIUM_ALPHA))
 }
 
 /// Number and normal that pixels have in common if their layers are parts of one: that of an object's side, or of media.
@@ -124,72 +138,135 @@ fn layer_of(guide: &Guide) -> (f32, Vec3) {
     if guide.has_medium() { (-1.0, Vec3::Z) } else { (guide.object as f32, guide.normal) }
 }
 
-/// Depth of a surface at a distance from the camera in a medium whose light has this mean distance: 0 at the camera, 1/2 where
+/// Depths of surfaces at distances from the camera in media whose light has these mean distances: 0 at the camera, 1/2 where
 /// most light is, 1 at infinity.
-fn depth_of_surface(length: f32, distance: f32) -> f32 {
-    length / (length + distance.max(f32::MIN_POSITIVE))
+#[inline(always)]
+fn depth_of_surface(length: f32x8, distance: f32x8) -> f32x8 {
+    length / (length + distance.fast_max(f32x8::splat(f32::MIN_POSITIVE)))
 }
 
-/// Mean curvature of a surface at a pixel, above 0 if it is convex, and by how much its normal turns, both per metre. `None` if
-/// the surface is not smooth.
-fn curvature(guides: &[Guide], size: [u32; 2], index: usize) -> Option<[f32; 2]> {
-    let guide = &guides[index];
-    let (mut curvature, mut turn, mut count) = (0.0, 0.0, 0);
-    for there in smooth_neighbours(guides, size, index) {
-        let (apart, turned) = (there.position - guide.position, there.normal - guide.normal);
-        let square = apart.length_squared().max(f32::MIN_POSITIVE);
-        curvature += turned.dot(apart) / square;
-        turn += (turned.length_squared() / square).sqrt();
-        count += 1;
-    }
-    (count >= SMOOTH_NEIGHBOURS).then(|| [curvature, turn].map(|sum| sum / count as f32))
+/// Curvatures of the surfaces of eight pixels.
+struct Curvatures {
+    /// Mean curvatures, above 0 if the surface is convex, per metre.
+    mean: f32x8,
+    /// By how much the normals turn, per metre.
+    turn: f32x8,
+    /// Mask of smooth surfaces; others have none.
+    are_smooth: f32x8,
 }
 
-/// Joins new samples of the light of facets or media with the past, if the last picture showed any.
-pub(super) fn accumulated(
-    frame: &FrameUniforms,
-    guides: &[Guide],
-    images: &[Image],
-    new: Samples,
-    past: Option<(&History, &[PixelMean], &EarlierPoints)>,
-    changes: &Changes,
-) -> Vec<PixelMean> {
-    let moves = past.is_some_and(|(past, ..)| camera_moves(&past.frame, frame));
-    let eye = Vec3::from(frame.position);
-    let past = past.filter(|_| changes.max_history > 0.0);
-    let join = |index: usize| {
-        let (guide, image) = (&guides[index], &images[index]);
-        let alone = PixelMean::alone(&new, index, guide.reflected.square);
-        let Some((past, means, earlier)) = past.filter(|_| guide.has_layer()) else { return alone };
-        let earlier = earlier.at(index, guide);
-        let sought = past.sought(guide, earlier, frame);
-        let max_length = if moves { changes.max_history.min(image.max_history) } else { changes.max_history };
-        let mirrored = guide.position + (guide.position - eye).normalize() * image.depth;
-        if guide.has_medium() {
-            let distance = image.depth + guide.length;
-            let shows = |index: usize| {
-                let there = &past.guides[index];
-                let depth = depth_of_surface(there.length, distance);
-                there.has_medium() && (depth - image.reach).abs() < MEDIUM_REACH
-            };
-            let place = past.projection.project(mirrored);
-            let found = place.and_then(|place| past.mean_at(place, means, shows));
-            let clamp = Clamp { limits: changes.scene.then_some(image.limits), max_length };
-            return found.map_or(alone, |found| joined(found, alone, clamp));
-        }
-        // In a surface that moves, the image moves as well.
-        let stands_still = earlier.position == guide.position;
-        let place = past.projection.project(mirrored).filter(|_| stands_still && moves && image.depth > NO_IMAGE);
-        let of_image = place.and_then(|place| past.mean_at(place, means, |index| past.shows_reflector(index, &sought)));
-        let found = of_image.or_else(|| {
-            let mut mean = past.find(&sought, means)?;
-            mean.length = if moves { mean.length.min(MAX_IMAGELESS_HISTORY) } else { mean.length };
-            Some(mean)
+impl Curvatures {
+    #[inline(always)]
+    fn new(surfaces: &SurfacePlanes, place: Place) -> Self {
+        let (position, normal) = (surfaces.position(place), surfaces.normal(place));
+        let (mut mean, mut turn, mut count) = (f32x8::ZERO, f32x8::ZERO, f32x8::ZERO);
+        let are_smooth = surfaces.smooth_neighbours(place, |there, counts| {
+            let (apart, turned) = (surfaces.position(there) - position, surfaces.normal(there) - normal);
+            let square = apart.dot(apart).fast_max(f32x8::splat(f32::MIN_POSITIVE));
+            mean += counts & (turned.dot(apart) / square);
+            turn += counts & (turned.dot(turned) / square).sqrt();
+            count += counts & f32x8::ONE;
         });
-        let clamp = Clamp { limits: (moves || changes.scene).then_some(image.limits), max_length };
-        found.map_or(alone, |found| joined(found, alone, clamp))
-    };
-    (0..guides.len()).into_par_iter().with_min_len(1024).map(join).collect()
+        let share = f32x8::ONE / count.fast_max(f32x8::ONE);
+        Self { mean: mean * share, turn: turn * share, are_smooth }
+    }
+}
+
+/// Present picture whose light of facets and media is accumulated.
+pub(super) struct Present<'a> {
+    pub(super) frame: &'a FrameUniforms,
+    pub(super) guides: &'a [Guide],
+    pub(super) surfaces: &'a SurfacePlanes,
+    pub(super) images: &'a Images,
+    pub(super) new: Samples<'a>,
+}
+
+/// Last picture, the means of its light of facets and media, and where the points of the present one were.
+#[derive(Clone, Copy)]
+pub(super) struct Past<'a> {
+    pub(super) history: &'a History,
+    pub(super) means: &'a [PixelMean],
+    pub(super) earlier: &'a EarlierPoints,
+}
+
+impl Present<'_> {
+    /// Joins new samples of the light of facets or media with the past, if the last picture showed any.
+    pub(super) fn accumulated(&self, past: Option<Past>, changes: &Changes) -> Vec<PixelMean> {
+        let moves = past.is_some_and(|past| camera_moves(&past.history.frame, self.frame));
+        let past = past.filter(|_| changes.max_history > 0.0);
+        by_eight(self.surfaces.grid, |place| {
+            let indices = place.indices(self.surfaces.grid);
+            let alone = Means::alone(&self.new, indices, |index, _| self.guides[index].reflected.square);
+            let alpha = self.surfaces.alpha(place);
+            let have_layer = alpha.simd_gt(f32x8::ZERO);
+            let Some(past) = past.filter(|_| have_layer.any()) else { return alone.each() };
+            let (image, are_media) = (self.images.at(place), are_media(alpha));
+            let mut found = Found::NONE;
+            if are_media.any() {
+                found = self.in_media(past, place, &image, are_media);
+            }
+            let are_facets = have_layer & !are_media;
+            if are_facets.any() {
+                found = found.or(self.in_facets(past, place, &image, are_facets, moves));
+            }
+            let longest = f32x8::splat(changes.max_history);
+            let [least, most] = image.limits;
+            // What media scatter is limited after changes of the scene only.
+            let of_facets = || [are_facets & least, are_facets.select(most, f32x8::splat(f32::MAX))];
+            let clamp = Clamp {
+                limits: if changes.scene { Some(image.limits) } else { moves.then(of_facets) },
+                max_length: if moves { longest.fast_min(image.max_history) } else { longest },
+            };
+            found.joined(alone, &clamp).each()
+        })
+    }
+
+    /// Positions in the last picture of the images of eight pixels.
+    #[inline(always)]
+    fn positions(&self, past: Past, place: Place, image: &Image, mask: f32x8) -> Positions {
+        let position = self.surfaces.position(place);
+        let ray = position - Vectors::constant(self.frame.position);
+        let mut positions = past.history.projection.project_all(position + ray.normalized() * image.depth);
+        positions.mask &= mask;
+        positions
+    }
+
+    /// Means of the past of the light of media at the pixels of a mask.
+    fn in_media(&self, past: Past, place: Place, image: &Image, mask: f32x8) -> Found {
+        let distance = image.depth + self.surfaces.length(place);
+        past.history.means_at(&self.positions(past, place, image, mask), past.means, |tap| {
+            let there = |lane: usize| &past.history.guides[tap.indices[lane]];
+            let are_media = lanes(|lane| f32::from(there(lane).has_medium())).simd_gt(f32x8::ZERO);
+            let depth = depth_of_surface(lanes(|lane| there(lane).length), distance);
+            are_media & (depth - image.reach).abs().simd_lt(f32x8::splat(MEDIUM_REACH))
+        })
+    }
+
+    /// Means of the past of the light of facets at the pixels of a mask.
+    fn in_facets(&self, past: Past, place: Place, image: &Image, mask: f32x8, moves: bool) -> Found {
+        let Past { history, means, earlier } = past;
+        let indices = place.indices(self.surfaces.grid);
+        let sought = history.sought(&self.surfaces.points(place), earlier, indices, self.frame);
+        let mut found = Found::NONE;
+        if moves {
+            // In a surface that moves, the image moves as well.
+            let still = self.surfaces.position(place);
+            let [x, y, z] = [(still.x, sought.position.x), (still.y, sought.position.y), (still.z, sought.position.z)]
+                .map(|(a, b)| a.simd_eq(b));
+            let have_image = mask & x & y & z & image.depth.simd_gt(f32x8::splat(NO_IMAGE));
+            let positions = self.positions(past, place, image, have_image);
+            found = history.means_at(&positions, means, |tap| history.show_reflectors(tap, &sought));
+        }
+        if (mask & !found.mask).any() {
+            let mut of_point = history.find(&sought, means);
+            if moves {
+                of_point.means.length = of_point.means.length.fast_min(f32x8::splat(MAX_IMAGELESS_HISTORY));
+            }
+            of_point.mask &= mask;
+            found = found.or(of_point);
+        }
+        found
+    }
 }
 
 #[cfg(test)]
@@ -199,8 +276,16 @@ mod tests {
     use crate::settings::Settings;
     use pathmarch_scene::Scene;
 
+    /// Image of a pixel, see [`Image`].
+    struct PixelImage {
+        depth: f32,
+        reach: f32,
+        limits: [f32; 2],
+        max_history: f32,
+    }
+
     /// Guides of the middle of a picture that shows an object of metal, which mirrors what is 3 m away, and their images.
-    fn images_in(object: &str) -> (Vec<Guide>, Vec<Image>) {
+    fn images_in(object: &str) -> (Vec<Guide>, Vec<PixelImage>) {
         let text = format!(
             "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nsky 1\n\
              material \"metal\" {{ metal 0.5; roughness 0.2 }}\nobject \"mirror\" material=\"metal\" {{ {object} }}"
@@ -212,8 +297,14 @@ mod tests {
         for guide in &mut guides {
             guide.reflected.depth = 3.0 / (3.0 + guide.length);
         }
-        let images = images(&input.frame, &guides, &vec![Vec3::ONE; 576]);
-        (guides, images)
+        let surfaces = SurfacePlanes::new(&input.frame, &guides, false);
+        let images = Images::new(&input.frame, (&guides, &surfaces), &vec![Vec3::ONE; 576]);
+        let image = |index: usize| {
+            let [depth, reach, least, most, max_history] =
+                images.0.lanes(Place::new(index % 24, index as i32 / 24)).map(|lanes| lanes.to_array()[0]);
+            PixelImage { depth, reach, limits: [least, most], max_history }
+        };
+        (guides, (0..576).map(image).collect())
     }
 
     #[test]

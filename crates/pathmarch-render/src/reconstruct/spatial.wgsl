@@ -51,7 +51,7 @@ fn similarity(a: Guide, b: Guide, pixels: vec2u, distance: f32) -> f32 {
 fn shares_fireflies(a: Guide, b: Guide) -> bool {
     let is_glass = a.guide_class == GUIDE_GLASS;
     return a.guide_class == b.guide_class && a.object == b.object
-        && (is_glass || dot(a.seen_normal, b.seen_normal) > 0.7);
+        && (is_glass || dot(a.seen_normal, b.seen_normal) > MIN_FIREFLY_COSINE);
 }
 
 /// Finds samples that are far above their neighbours: what is above, for each taker.

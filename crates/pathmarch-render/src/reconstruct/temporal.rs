@@ -1,14 +1,18 @@
 //! Reprojection and temporal accumulation.
 
-use super::motion::{EarlierPoint, EarlierPoints};
-use super::planes::box_sums;
-use super::{direct_square, luminance};
-use crate::integrator::guides::{Guide, GuideClass};
+use super::motion::EarlierPoints;
+use super::planes::{Grid, Place, Planes, SQUARE_OF_3, box_sums, by_eight};
+use super::surfaces::{Points, SurfacePlanes, Vectors};
+use super::{PixelHistory, luminance, variance_without_facets};
+use crate::integrator::guides::Guide;
+use crate::intersect::ray::transposed;
 use crate::scene::FrameUniforms;
+use crate::scene::light::LUMINANCE_WEIGHTS;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
-use rayon::prelude::*;
+use pathmarch_field::number::Mask8;
 use std::sync::Arc;
+use wide::f32x8;
 
 /// Means of the pixels of a picture, with all that is needed to find them in the next one.
 pub(super) struct History {
@@ -20,73 +24,113 @@ pub(super) struct History {
 }
 
 /// Mean of a pixel.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
+#[repr(C)]
 pub(super) struct PixelMean {
     pub(super) irradiance: Vec3,
     /// Number of samples in the mean.
     pub(super) length: f32,
     /// Means of the luminance and of its square, over samples.
     pub(super) moments: [f32; 2],
-    /// Position of the pixel's point in the last picture, pixels of that picture from its top left corner; `None` where it
-    /// was hidden.
-    pub(super) before: Option<[f32; 2]>,
+    /// Position of the pixel's point in the last picture, pixels of that picture from its top left corner; missing numbers where
+    /// it was hidden.
+    pub(super) before: [f32; 2],
+}
+
+/// Means of eight pixels.
+#[derive(Clone, Copy)]
+pub(super) struct Means {
+    pub(super) irradiance: Vectors,
+    pub(super) length: f32x8,
+    pub(super) moments: [f32x8; 2],
+    before: [f32x8; 2],
 }
 
 /// Point that a pixel shows, as the next picture looks it up. Small, since every pixel looks at several.
+#[derive(Clone, Copy, Default)]
+#[repr(C)]
 struct ShownPoint {
     position: Vec3,
     /// Reciprocal of the cosine between the normal and the ray: seen at a grazing angle, a pixel covers more of the plane.
     stretch: f32,
     normal: Vec3,
-    /// See [`surface_of`]; negative if the pixel shows several surfaces.
+    /// See [`surface_of`](super::surfaces::surface_of); negative if the pixel shows several surfaces.
     surface: f32,
 }
 
-/// Point of a present picture, where it was in an earlier scene.
-pub(super) struct SoughtPoint {
-    pub(super) position: Vec3,
-    normal: Vec3,
-    /// Side of a pixel at its distance, metres: that of the picture with the larger pixels.
-    pixel: f32,
-    surface: f32,
-    is_sky: bool,
+/// Points that eight pixels show.
+struct ShownPoints {
+    position: Vectors,
+    stretch: f32x8,
+    normal: Vectors,
+    surface: f32x8,
 }
 
-/// Surface of a guide, as a number from 1 on that is equal on points of one surface: a medium in front of it takes light from
-/// it. It is no integer, which vector instructions would read as a subnormal number, and be slow.
-fn surface_of(guide: &Guide) -> f32 {
-    (8 * guide.object + 2 * guide.class as u32 + u32::from(guide.has_medium()) + 1) as f32
+/// Points of eight pixels of a present picture, where they were in an earlier scene.
+#[derive(Clone, Copy)]
+pub(super) struct SoughtPoints {
+    pub(super) position: Vectors,
+    pub(super) normal: Vectors,
+    /// Sides of a pixel at their distances, metres: those of the picture with the larger pixels.
+    pub(super) pixel: f32x8,
+    pub(super) surface: f32x8,
+    /// Mask of those of the sky.
+    pub(super) are_sky: f32x8,
 }
 
 impl ShownPoint {
-    /// Point of a guide in a picture from `eye`.
-    fn new(guide: &Guide, eye: Vec3) -> Self {
-        let &Guide { position, normal, .. } = guide;
-        let cosine = normal.dot((position - eye).normalize()).abs();
-        let surface = if guide.is_mixed { -surface_of(guide) } else { surface_of(guide) };
-        Self { position, stretch: cosine.max(MIN_GRAZING_COSINE).recip(), normal, surface }
+    /// A point from its numbers, in their order in memory.
+    fn from_row([px, py, pz, stretch, nx, ny, nz, surface]: [f32; 8]) -> Self {
+        Self { position: Vec3::new(px, py, pz), stretch, normal: Vec3::new(nx, ny, nz), surface }
     }
 
-    /// True if the pixel shows a point of this surface.
-    fn has_surface(&self, surface: f32) -> bool {
-        self.surface.abs() == surface
+    #[inline(always)]
+    fn row(&self) -> [f32; 8] {
+        let &Self { position: p, stretch, normal: n, surface } = self;
+        [p.x, p.y, p.z, stretch, n.x, n.y, n.z, surface]
+    }
+}
+
+impl ShownPoints {
+    /// Points of a picture from `eye`.
+    fn of(surfaces: &SurfacePlanes, place: Place, eye: Vectors) -> Self {
+        let (position, normal) = (surfaces.position(place), surfaces.normal(place));
+        let ray = position - eye;
+        let cosine = normal.dot(ray).abs() / ray.dot(ray).sqrt();
+        let stretch = f32x8::ONE / cosine.fast_max(f32x8::splat(MIN_GRAZING_COSINE));
+        Self { position, stretch, normal, surface: surfaces.surface(place) }
     }
 
-    /// True if it and a point that was sought show one place of one surface, to within a few sides of a pixel.
-    #[inline]
-    fn is_at(&self, sought: &SoughtPoint) -> bool {
-        if !self.has_surface(sought.surface) {
-            return false;
-        }
-        if sought.is_sky {
-            return true;
-        }
+    /// Points of these indices.
+    #[inline(always)]
+    fn gathered(points: &[ShownPoint], indices: [usize; 8]) -> Self {
+        let [px, py, pz, stretch, nx, ny, nz, surface] = transposed(indices.map(|index| points[index].row()));
+        Self { position: Vectors::new(px, py, pz), stretch, normal: Vectors::new(nx, ny, nz), surface }
+    }
+
+    /// The points, one by one.
+    fn each(self) -> [ShownPoint; 8] {
+        let Self { position: p, stretch, normal: n, surface } = self;
+        let rows = f32x8::transpose([p.x, p.y, p.z, stretch, n.x, n.y, n.z, surface]);
+        rows.map(|row| ShownPoint::from_row(row.to_array()))
+    }
+
+    /// Mask of the pixels that show points of these surfaces.
+    #[inline(always)]
+    fn have_surface(&self, surface: f32x8) -> f32x8 {
+        self.surface.abs().simd_eq(surface)
+    }
+
+    /// Mask of those that show the places of surfaces that were sought, to within a few sides of a pixel.
+    #[inline(always)]
+    fn are_at(&self, sought: &SoughtPoints) -> f32x8 {
         let (apart, pixel) = (sought.position - self.position, sought.pixel);
-        let along = sought.normal.dot(apart).abs().min(self.normal.dot(apart).abs());
+        let along = sought.normal.dot(apart).abs().fast_min(self.normal.dot(apart).abs());
         let stretched = pixel * POINT_TOLERANCE * self.stretch;
-        along <= PLANE_TOLERANCE * pixel
-            && apart.length_squared() <= stretched * stretched
-            && sought.normal.dot(self.normal) >= MIN_NORMAL_COSINE
+        let are_near = along.simd_le(pixel * PLANE_TOLERANCE)
+            & apart.dot(apart).simd_le(stretched * stretched)
+            & sought.normal.dot(self.normal).simd_ge(f32x8::splat(MIN_NORMAL_COSINE));
+        self.have_surface(sought.surface) & (sought.are_sky | are_near)
     }
 }
 
@@ -107,10 +151,6 @@ shared_constants! {
     const CURVED_TOLERANCE: f32 = 0.2;
     /// Least cosine between the normal and the ray by which the tolerance within the plane is divided.
     const MIN_GRAZING_COSINE: f32 = 0.05;
-    /// Least cosine between the normals of pixels beside each other on a smooth surface.
-    const MIN_SMOOTH_COSINE: f32 = 0.9;
-    /// Least number of such pixels beside one that is on a smooth surface.
-    pub(super) const SMOOTH_NEIGHBOURS: u32 = 2;
     /// Longest history of glass, and of glossy surfaces whose facets are not filtered apart, while the camera moves, samples.
     const MAX_GLOSSY_HISTORY: f32 = 3.0;
     /// Longest history of surfaces that are not smooth, as those of fractals, while the camera moves, samples: the past,
@@ -127,202 +167,335 @@ shared_constants! {
     const CONTRAST_ROUNDING: f32 = 1e-6;
     /// Length below which contrast shortens no history, samples.
     const MIN_CONTRAST_HISTORY: f32 = 2.0;
+    /// Least weight of the pixels of the last picture that show a point, of 1.
+    const MIN_FOUND_WEIGHT: f32 = 0.01;
     /// Least cosine between normals of one surface.
     pub(super) const MIN_NORMAL_COSINE: f32 = 0.8;
 }
 
 impl PixelMean {
-    /// Mean of new samples alone; `square` is that of their luminance.
-    pub(super) fn alone(new: &Samples, index: usize, square: f32) -> Self {
-        let irradiance = new.irradiance[index];
-        let l = luminance(irradiance);
-        // Fireflies of a single sample have been spread.
-        let square = if new.count > 1.0 { square } else { l * l };
-        Self { irradiance, length: new.count, moments: [l, square], before: None }
+    /// A mean from its numbers, in their order in memory.
+    fn from_row([r, g, b, length, mean, square, x, y]: [f32; 8]) -> Self {
+        Self { irradiance: Vec3::new(r, g, b), length, moments: [mean, square], before: [x, y] }
+    }
+
+    /// History of the pixel.
+    pub(super) fn history(&self) -> PixelHistory {
+        let is_known = !self.before[0].is_nan();
+        PixelHistory { before: is_known.then_some(self.before), length: self.length }
+    }
+
+    #[inline(always)]
+    fn row(&self) -> [f32; 8] {
+        let &Self { irradiance, length, moments: [mean, square], before: [x, y] } = self;
+        [irradiance.x, irradiance.y, irradiance.z, length, mean, square, x, y]
     }
 }
 
-/// What limits the past of a pixel.
+impl Means {
+    /// Means of these numbers: red, green, blue, length, mean, square and the earlier position.
+    #[inline(always)]
+    fn from_lanes([r, g, b, length, mean, square, x, y]: [f32x8; 8]) -> Self {
+        Self { irradiance: Vectors::new(r, g, b), length, moments: [mean, square], before: [x, y] }
+    }
+
+    /// Means of the pixels of these indices.
+    #[inline(always)]
+    pub(super) fn gathered(means: &[PixelMean], indices: [usize; 8]) -> Self {
+        Self::from_lanes(transposed(indices.map(|index| means[index].row())))
+    }
+
+    /// The means, one by one.
+    #[inline(always)]
+    pub(super) fn each(self) -> [PixelMean; 8] {
+        let Self { irradiance: Vectors { x: r, y: g, z: b }, length, moments: [mean, square], before: [x, y] } = self;
+        f32x8::transpose([r, g, b, length, mean, square, x, y]).map(|row| PixelMean::from_row(row.to_array()))
+    }
+
+    /// Means of new samples alone of the pixels of these indices; `square` gives that of the luminance of several samples
+    /// from the index and their luminance.
+    #[inline(always)]
+    pub(super) fn alone(new: &Samples, indices: [usize; 8], square: impl Fn(usize, f32) -> f32) -> Self {
+        let row = |index: usize| {
+            let irradiance = new.irradiance[index];
+            let mean = luminance(irradiance);
+            // Fireflies of a single sample have been spread.
+            let square = if new.count > 1.0 { square(index, mean) } else { mean * mean };
+            [irradiance.x, irradiance.y, irradiance.z, new.count, mean, square, f32::NAN, f32::NAN]
+        };
+        Self::from_lanes(transposed(indices.map(row)))
+    }
+
+    /// These where the mask is set, else others.
+    #[inline(always)]
+    fn select(self, mask: f32x8, others: Self) -> Self {
+        let pair = |a: [f32x8; 2], b: [f32x8; 2]| [mask.select(a[0], b[0]), mask.select(a[1], b[1])];
+        Self {
+            irradiance: Vectors::select(Mask8(mask), self.irradiance, others.irradiance),
+            length: mask.select(self.length, others.length),
+            moments: pair(self.moments, others.moments),
+            before: pair(self.before, others.before),
+        }
+    }
+}
+
+/// What limits the past of eight pixels.
 pub(super) struct Clamp {
     /// Least and largest plausible luminance.
-    pub(super) limits: Option<[f32; 2]>,
+    pub(super) limits: Option<[f32x8; 2]>,
     /// Samples that count at most.
-    pub(super) max_length: f32,
+    pub(super) max_length: f32x8,
 }
 
-/// Joins the mean of the past with that of new samples.
-pub(super) fn joined(past: PixelMean, new: PixelMean, clamp: Clamp) -> PixelMean {
-    let PixelMean { irradiance: mut old, mut length, mut moments, before } = past;
-    if let Some([least, most]) = clamp.limits {
-        let old_luminance = luminance(old);
-        let clamped = old_luminance.clamp(least, most);
-        let factor = clamped / old_luminance.max(1e-9);
-        old *= factor;
-        moments = [moments[0] * factor, moments[1] * factor * factor];
-        // The less of it is plausible, the fewer samples it is worth.
-        let agreement = (clamped.min(old_luminance) + 1e-9) / (clamped.max(old_luminance) + 1e-9);
-        length *= agreement * agreement;
+/// Means of the past of eight pixels, and the mask of those that have one.
+#[derive(Clone, Copy)]
+pub(super) struct Found {
+    pub(super) means: Means,
+    pub(super) mask: f32x8,
+}
+
+impl Found {
+    /// No past.
+    pub(super) const NONE: Self = {
+        let nothing = Vectors::new(f32x8::ZERO, f32x8::ZERO, f32x8::ZERO);
+        let means =
+            Means { irradiance: nothing, length: f32x8::ZERO, moments: [f32x8::ZERO; 2], before: [f32x8::ZERO; 2] };
+        Self { means, mask: f32x8::ZERO }
+    };
+
+    /// These, and others where there are none.
+    #[inline(always)]
+    pub(super) fn or(self, others: Self) -> Self {
+        Self { means: self.means.select(self.mask, others.means), mask: self.mask | others.mask }
     }
-    let length = length.min(clamp.max_length);
-    let share = new.length / (new.length + length);
-    let mean = |old: f32, new: f32| old + (new - old) * share;
-    let moments = std::array::from_fn(|k| mean(moments[k], new.moments[k]));
-    PixelMean { irradiance: old.lerp(new.irradiance, share), length: new.length + length, moments, before }
+
+    /// Joins the means of the past with those of new samples.
+    #[inline(always)]
+    pub(super) fn joined(self, new: Means, clamp: &Clamp) -> Means {
+        let Means { irradiance: mut old, mut length, mut moments, before } = self.means;
+        if let Some([least, most]) = clamp.limits {
+            let old_luminance = luminances(old);
+            let clamped = old_luminance.fast_max(least).fast_min(most);
+            let factor = clamped / old_luminance.fast_max(f32x8::splat(1e-9));
+            old = old * factor;
+            moments = [moments[0] * factor, moments[1] * factor * factor];
+            // The less of it is plausible, the fewer samples it is worth.
+            let agreement = (clamped.fast_min(old_luminance) + 1e-9) / (clamped.fast_max(old_luminance) + 1e-9);
+            length *= agreement * agreement;
+        }
+        let length = length.fast_min(clamp.max_length);
+        let share = new.length / (new.length + length);
+        let mean = |old: f32x8, new: f32x8| old + (new - old) * share;
+        let joined = Means {
+            irradiance: old + (new.irradiance - old) * share,
+            length: new.length + length,
+            moments: [mean(moments[0], new.moments[0]), mean(moments[1], new.moments[1])],
+            before,
+        };
+        joined.select(self.mask, new)
+    }
 }
 
-/// Pixels beside a pixel that are parts of one smooth surface.
-pub(super) fn smooth_neighbours(guides: &[Guide], size: [u32; 2], index: usize) -> impl Iterator<Item = &Guide> {
-    let [width, height] = size.map(|side| side as i32);
-    let (x, y, guide) = (index as i32 % width, index as i32 / width, &guides[index]);
-    let beside = [(x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)].into_iter();
-    let inside = beside.filter(move |(x, y)| (0..width).contains(x) && (0..height).contains(y));
-    inside.map(move |(x, y)| &guides[(y * width + x) as usize]).filter(move |there| {
-        let is_same = there.object == guide.object && there.class == guide.class;
-        is_same && there.normal.dot(guide.normal) >= MIN_SMOOTH_COSINE
-    })
+/// Luminances of linear Rec. 709 colours.
+#[inline(always)]
+pub(super) fn luminances(colour: Vectors) -> f32x8 {
+    let [r, g, b] = LUMINANCE_WEIGHTS;
+    colour.x * r + colour.y * g + colour.z * b
 }
 
-/// True if a pixel shows a surface that is smooth from pixel to pixel.
-fn is_smooth(guides: &[Guide], size: [u32; 2], index: usize) -> bool {
-    smooth_neighbours(guides, size, index).count() >= SMOOTH_NEIGHBOURS as usize
-}
-
-/// Least and largest luminance of a mean beside these sums over samples: luminance, its square, and 1. `reach` is in standard
+/// Least and largest luminances of means beside these sums over samples: luminance, its square, and 1. `reach` is in standard
 /// deviations of single samples.
-pub(super) fn plausible_range([light, squares, count]: [f32; 3], reach: f32) -> [f32; 2] {
+#[inline(always)]
+pub(super) fn plausible_range([light, squares, count]: [f32x8; 3], reach: f32) -> [f32x8; 2] {
     let (mean, square) = (light / count, squares / count);
-    let reach = (square - mean * mean).max(0.0).sqrt() * reach;
-    [(mean - reach).max(0.0), mean + reach]
+    let reach = (square - mean * mean).fast_max(f32x8::ZERO).sqrt() * reach;
+    [(mean - reach).fast_max(f32x8::ZERO), mean + reach]
 }
 
 /// Least and largest luminance that the mean of each pixel may have, judged from the samples around it.
-pub(super) fn plausible_luminances(size: [u32; 2], irradiance: &[Vec3]) -> Vec<[f32; 2]> {
-    let sums = box_sums(size, PLAUSIBLE_RADIUS, |index| {
+pub(super) fn plausible_luminances(frame: &FrameUniforms, irradiance: &[Vec3]) -> Planes<2> {
+    let sums = box_sums(frame.size(), PLAUSIBLE_RADIUS, |index| {
         let luminance = luminance(irradiance[index]);
         [luminance, luminance * luminance, 1.0]
     });
-    let limits = |index: usize| plausible_range(sums.at(index), PLAUSIBLE_REACH);
-    (0..irradiance.len()).into_par_iter().with_min_len(4096).map(limits).collect()
+    Planes::of_eight(sums.grid, |place| plausible_range(sums.lanes(place), PLAUSIBLE_REACH))
+}
+
+/// Positions in a picture, pixels from its top left corner, and the mask of those that are in front of its camera.
+#[derive(Clone, Copy)]
+pub(super) struct Positions {
+    pub(super) x: f32x8,
+    pub(super) y: f32x8,
+    pub(super) mask: f32x8,
+}
+
+/// Pixels of a picture that are next to positions.
+pub(super) struct Tap {
+    pub(super) indices: [usize; 8],
+    /// Mask of those in the picture.
+    are_inside: f32x8,
+}
+
+impl Tap {
+    /// Pixels of these columns and rows; the nearest ones for those beyond the picture.
+    #[inline(always)]
+    fn new(grid: Grid, column: f32x8, row: f32x8) -> Self {
+        let [width, height] = [grid.width, grid.height].map(|side| f32x8::splat(side as f32));
+        let are_inside =
+            column.simd_ge(f32x8::ZERO) & row.simd_ge(f32x8::ZERO) & column.simd_lt(width) & row.simd_lt(height);
+        let index = are_inside & (row * width + column);
+        // Missing numbers would be no index.
+        Self { indices: index.to_array().map(|index| index as usize), are_inside }
+    }
 }
 
 impl History {
     /// Joins new samples with the past. If given, its luminance is clamped to the limits of each pixel.
     pub(super) fn new(
         frame: &FrameUniforms,
-        guides: &Arc<Vec<Guide>>,
+        (guides, surfaces): (&Arc<Vec<Guide>>, &SurfacePlanes),
         new: Samples,
         past: Option<(&History, &EarlierPoints)>,
         max_length: f32,
-        limits: Option<&[[f32; 2]]>,
+        limits: Option<&Planes<2>>,
     ) -> Self {
         let moves = past.is_some_and(|(past, _)| camera_moves(&past.frame, frame));
         let past = past.filter(|_| max_length > 0.0);
-        let join = |index: usize| {
-            let guide = &guides[index];
-            let alone = PixelMean::alone(&new, index, direct_square(guide, luminance(new.irradiance[index])));
-            let found = past.and_then(|(past, earlier)| {
-                past.find(&past.sought(guide, earlier.at(index, guide), frame), &past.means)
-            });
-            let max_length = match () {
-                () if !moves => max_length,
-                () if guide.is_glossy && !guide.has_facets() => max_length.min(MAX_GLOSSY_HISTORY),
-                () if !is_smooth(guides, frame.size(), index) => max_length.min(MAX_ROUGH_HISTORY),
-                () => max_length,
+        let (grid, longest) = (surfaces.grid, f32x8::splat(max_length));
+        let join = |place: Place| {
+            let indices = place.indices(grid);
+            let square = |index: usize, mean: f32| mean * mean + variance_without_facets(&guides[index], mean);
+            let alone = Means::alone(&new, indices, square);
+            let Some((past, earlier)) = past else { return alone.each() };
+            let sought = past.sought(&surfaces.points(place), earlier, indices, frame);
+            let found = past.find(&sought, &past.means);
+            let max_length = match moves {
+                true => {
+                    let rough = surfaces
+                        .smooth_neighbours(place, |_, _| ())
+                        .select(longest, longest.fast_min(f32x8::splat(MAX_ROUGH_HISTORY)));
+                    surfaces.are_glossy(place).select(longest.fast_min(f32x8::splat(MAX_GLOSSY_HISTORY)), rough)
+                }
+                false => longest,
             };
-            let clamp = Clamp { limits: limits.map(|limits| limits[index]), max_length };
-            found.map_or(alone, |found| joined(found, alone, clamp))
+            let limits = limits.map(|limits| limits.lanes(place));
+            found.joined(alone, &Clamp { limits, max_length }).each()
         };
-        let eye = frame.position.into();
+        let eye = Vectors::constant(frame.position);
         Self {
             frame: *frame,
             guides: guides.clone(),
             projection: Projection::new(frame),
-            means: (0..guides.len()).into_par_iter().with_min_len(1024).map(join).collect(),
-            points: guides.par_iter().with_min_len(1024).map(|guide| ShownPoint::new(guide, eye)).collect(),
+            means: by_eight(grid, join),
+            points: by_eight(grid, |place| ShownPoints::of(surfaces, place, eye).each()),
         }
     }
 
-    /// Point of a guide of the picture `frame`, as this picture may show it, from where it was.
-    pub(super) fn sought(&self, guide: &Guide, earlier: EarlierPoint, frame: &FrameUniforms) -> SoughtPoint {
-        let EarlierPoint { position, normal } = earlier;
-        let pixel = guide.length * self.frame.pixel.max(frame.pixel);
-        SoughtPoint { position, normal, pixel, surface: surface_of(guide), is_sky: guide.class == GuideClass::Sky }
+    fn grid(&self) -> Grid {
+        Grid::new(self.frame.size())
     }
 
-    /// True if this picture shows a point at a position, in pixels, or next to it.
-    pub(super) fn shows(&self, sought: &SoughtPoint, [x, y]: [f32; 2]) -> bool {
-        let [width, height] = self.frame.size().map(|side| side as i32);
-        let (x, y) = (x as i32, y as i32);
-        let shows = |(dx, dy): (i32, i32)| {
-            let (x, y) = (x + dx, y + dy);
-            let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
-            is_inside && self.points[(y * width + x) as usize].is_at(sought)
-        };
-        // Most often the pixel itself shows it.
-        shows((0, 0)) || (-1..=1).any(|dy| (-1..=1).any(|dx| shows((dx, dy))))
+    /// Points that the pixels of these indices show.
+    #[inline(always)]
+    pub(super) fn points(&self, indices: [usize; 8]) -> Points {
+        let ShownPoints { position, normal, surface, .. } = ShownPoints::gathered(&self.points, indices);
+        let length = (position - Vectors::constant(self.frame.position)).length();
+        Points { position, length, normal, surface: surface.abs() }
     }
 
-    /// Mean of a point among those of the pixels, and its position here; `None` if this picture does not show it.
-    pub(super) fn find(&self, sought: &SoughtPoint, means: &[PixelMean]) -> Option<PixelMean> {
-        let position = self.projection.project(sought.position)?;
-        // The mean of several surfaces is that of none.
-        self.mean_at(position, means, |index| self.points[index].surface > 0.0 && self.points[index].is_at(sought))
-    }
-
-    /// True if a pixel shows a part of a surface that mirrors what the sought point of it mirrors.
-    pub(super) fn shows_reflector(&self, index: usize, sought: &SoughtPoint) -> bool {
-        let point = &self.points[index];
-        let apart = sought.position - point.position;
-        let along = sought.normal.dot(apart).abs().min(point.normal.dot(apart).abs());
-        point.has_surface(sought.surface)
-            && sought.normal.dot(point.normal) >= MIN_NORMAL_COSINE
-            && along <= PLANE_TOLERANCE * sought.pixel + CURVED_TOLERANCE * apart.length()
-    }
-
-    /// Mean at a position of this picture, of the pixels that `shows` accepts.
-    pub(super) fn mean_at(
+    /// Points of pixels of the picture `frame`, which have these indices, as this picture may show them, from where they were.
+    #[inline(always)]
+    pub(super) fn sought(
         &self,
-        position: [f32; 2],
-        means: &[PixelMean],
-        shows: impl Fn(usize) -> bool,
-    ) -> Option<PixelMean> {
-        let [width, height] = self.frame.size();
-        let [x, y] = position.map(|coordinate| coordinate - 0.5);
-        let (mut irradiance, mut moments, mut length, mut total) = (Vec3::ZERO, [0.0; 2], 0.0, 0.0);
-        let mut squares = 0.0;
+        points: &Points,
+        earlier: &EarlierPoints,
+        indices: [usize; 8],
+        frame: &FrameUniforms,
+    ) -> SoughtPoints {
+        let (position, normal) = earlier.lanes(indices).unwrap_or((points.position, points.normal));
+        let pixel = points.length * self.frame.pixel.max(frame.pixel);
+        SoughtPoints { position, normal, pixel, surface: points.surface, are_sky: points.are_sky() }
+    }
+
+    /// Mask of the points that this picture shows at positions, or next to them.
+    pub(super) fn shows(&self, sought: &SoughtPoints, position: &Positions) -> f32x8 {
+        let (grid, column, row) = (self.grid(), position.x.floor(), position.y.floor());
+        let shows = |dx: f32, dy: f32| {
+            let tap = Tap::new(grid, column + dx, row + dy);
+            tap.are_inside & ShownPoints::gathered(&self.points, tap.indices).are_at(sought)
+        };
+        // Most often the pixels themselves show them.
+        let mut found = shows(0.0, 0.0);
+        for (dx, dy) in SQUARE_OF_3 {
+            if (found | !position.mask).all() {
+                break;
+            }
+            found |= shows(dx as f32, dy as f32);
+        }
+        found & position.mask
+    }
+
+    /// Means of points among those of the pixels, and their positions here, where this picture shows them.
+    pub(super) fn find(&self, sought: &SoughtPoints, means: &[PixelMean]) -> Found {
+        let position = self.projection.project_all(sought.position);
+        self.means_at(&position, means, |tap| {
+            let points = ShownPoints::gathered(&self.points, tap.indices);
+            // The mean of several surfaces is that of none.
+            points.surface.simd_gt(f32x8::ZERO) & points.are_at(sought)
+        })
+    }
+
+    /// Mask of the pixels that show parts of surfaces which mirror what the sought points of them mirror.
+    pub(super) fn show_reflectors(&self, tap: &Tap, sought: &SoughtPoints) -> f32x8 {
+        let points = ShownPoints::gathered(&self.points, tap.indices);
+        let apart = sought.position - points.position;
+        let along = sought.normal.dot(apart).abs().fast_min(points.normal.dot(apart).abs());
+        points.have_surface(sought.surface)
+            & sought.normal.dot(points.normal).simd_ge(f32x8::splat(MIN_NORMAL_COSINE))
+            & along.simd_le(sought.pixel * PLANE_TOLERANCE + apart.length() * CURVED_TOLERANCE)
+    }
+
+    /// Means at positions of this picture, of the pixels that `shows` accepts.
+    #[inline(always)]
+    pub(super) fn means_at(&self, position: &Positions, means: &[PixelMean], shows: impl Fn(&Tap) -> f32x8) -> Found {
+        let (grid, x, y) = (self.grid(), position.x - 0.5, position.y - 0.5);
+        let (left, top) = (x.floor(), y.floor());
+        let (mut irradiance, mut moments) = (Vectors::splat(f32x8::ZERO), [f32x8::ZERO; 2]);
+        let (mut length, mut total, mut squares) = (f32x8::ZERO, f32x8::ZERO, f32x8::ZERO);
         for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-            let (column, row) = (x.floor() + dx, y.floor() + dy);
-            if column < 0.0 || row < 0.0 || column >= width as f32 || row >= height as f32 {
+            let (column, row) = (left + dx, top + dy);
+            let tap = Tap::new(grid, column, row);
+            let weight = (f32x8::ONE - (x - column).abs()) * (f32x8::ONE - (y - row).abs());
+            let counts = tap.are_inside & position.mask & weight.simd_gt(f32x8::ZERO);
+            if counts.none() {
                 continue;
             }
-            let index = row as usize * width as usize + column as usize;
-            let weight = (1.0 - (x - column).abs()) * (1.0 - (y - row).abs());
-            if weight <= 0.0 || !shows(index) {
-                continue;
-            }
-            let mean = &means[index];
-            irradiance += mean.irradiance * weight;
-            moments = [moments[0] + mean.moments[0] * weight, moments[1] + mean.moments[1] * weight];
-            squares += mean.moments[0] * mean.moments[0] * weight;
-            length += mean.length * weight;
+            let counts = counts & shows(&tap);
+            let weight = counts & weight;
+            let there = Means::gathered(means, tap.indices);
+            irradiance = irradiance + there.irradiance * weight;
+            moments = [moments[0] + there.moments[0] * weight, moments[1] + there.moments[1] * weight];
+            squares += there.moments[0] * there.moments[0] * weight;
+            length += there.length * weight;
             total += weight;
         }
-        if total <= 0.01 {
-            return None;
-        }
-        let (moments, length) = (moments.map(|moment| moment / total), length / total);
-        let length = contrast_limited_length(moments, squares / total, length);
-        Some(PixelMean { irradiance: irradiance / total, length, moments, before: Some(position) })
+        let share = f32x8::ONE / total;
+        let (moments, length) = ([moments[0] * share, moments[1] * share], length * share);
+        let length = contrast_limited_length(moments, squares * share, length);
+        let means = Means { irradiance: irradiance * share, length, moments, before: [position.x, position.y] };
+        Found { means, mask: total.simd_gt(f32x8::splat(MIN_FOUND_WEIGHT)) }
     }
 }
 
-/// Length of the history of an interpolated mean, shortened where the contrast between its pixels is more than their noise,
+/// Lengths of the histories of interpolated means, shortened where the contrast between their pixels is more than their noise,
 /// samples; `square` is the mean square of the interpolated luminances.
-fn contrast_limited_length([mean, mean_square]: [f32; 2], square: f32, length: f32) -> f32 {
-    let deviation = (square - mean * mean).max(0.0);
-    let variance = (mean_square - square).max(0.0) / length;
-    let known = length * (MAX_CONTRAST * variance + CONTRAST_ROUNDING * mean * mean) / deviation.max(f32::MIN_POSITIVE);
-    length.min(known.max(MIN_CONTRAST_HISTORY))
+#[inline(always)]
+fn contrast_limited_length([mean, mean_square]: [f32x8; 2], square: f32x8, length: f32x8) -> f32x8 {
+    let deviation = (square - mean * mean).fast_max(f32x8::ZERO);
+    let variance = (mean_square - square).fast_max(f32x8::ZERO) / length;
+    let limit = variance * MAX_CONTRAST + mean * mean * CONTRAST_ROUNDING;
+    let known = length * limit / deviation.fast_max(f32x8::splat(f32::MIN_POSITIVE));
+    length.fast_min(known.fast_max(f32x8::splat(MIN_CONTRAST_HISTORY)))
 }
 
 /// True if the camera moves between two frames.
@@ -361,6 +534,18 @@ impl Projection {
         let scale = depth.recip();
         Some([self.middle[0] + v.dot(self.right) * scale, self.middle[1] + v.dot(self.down) * scale])
     }
+
+    /// Positions of eight points.
+    #[inline(always)]
+    pub(super) fn project_all(&self, points: Vectors) -> Positions {
+        let v = points - Vectors::constant(self.position.into());
+        let [right, down, forward] = [self.right, self.down, self.forward].map(|v| Vectors::constant(v.into()));
+        let depth = v.dot(forward);
+        let mask = depth.simd_gt(v.abs().largest() * 1e-6);
+        let scale = f32x8::ONE / depth;
+        let [x, y] = [v.dot(right) * scale + self.middle[0], v.dot(down) * scale + self.middle[1]];
+        Positions { x, y, mask }
+    }
 }
 
 #[cfg(test)]
@@ -368,6 +553,7 @@ mod tests {
     use super::*;
     use crate::backend::RenderInput;
     use crate::integrator::camera::central_ray;
+    use crate::integrator::guides::GuideClass;
     use crate::integrator::medium_light::MEDIUM_ALPHA;
     use crate::settings::Settings;
     use pathmarch_scene::Scene;
@@ -425,6 +611,18 @@ mod tests {
         (frame, (0..1200).map(guide).collect())
     }
 
+    /// History of a picture of these guides.
+    fn history_of(
+        frame: &FrameUniforms,
+        guides: Vec<Guide>,
+        new: Samples,
+        past: Option<(&History, &EarlierPoints)>,
+        limits: Option<&Planes<2>>,
+    ) -> History {
+        let surfaces = SurfacePlanes::new(frame, &guides, false);
+        History::new(frame, (&Arc::new(guides), &surfaces), new, past, 24.0, limits)
+    }
+
     /// Lengths of the histories of a picture after one of the plane, from these cameras, whose guides `change` alters.
     fn lengths(cameras: [[f32; 3]; 2], change: impl Fn(&mut Guide)) -> Vec<f32> {
         let [past, (frame, mut guides)] = cameras.map(on_a_plane);
@@ -432,7 +630,7 @@ mod tests {
         let irradiance = vec![Vec3::ONE; 1200];
         let picture = |frame: &FrameUniforms, guides: Vec<Guide>, past: Option<(&History, &EarlierPoints)>| {
             let new = Samples { irradiance: &irradiance, count: 1.0 };
-            History::new(frame, &Arc::new(guides), new, past, 24.0, None)
+            history_of(frame, guides, new, past, None)
         };
         let past = picture(&past.0, past.1, None);
         let present = picture(&frame, guides, Some((&past, &EarlierPoints::default())));
@@ -464,7 +662,7 @@ mod tests {
             let earlier = EarlierPoints::default();
             let last = past.as_ref().map(|(history, _)| (history, &earlier));
             let new = Samples { irradiance: &new, count: 1.0 };
-            past = Some((History::new(&frame, &Arc::new(guides), new, last, 24.0, None), truth));
+            past = Some((history_of(&frame, guides, new, last, None), truth));
         }
         let (history, truth) = past.expect("a picture");
         let is_off = |(mean, truth): &(&PixelMean, &f32)| (mean.irradiance.x - *truth).abs() > 0.2;
@@ -498,17 +696,17 @@ mod tests {
     #[test]
     fn a_past_that_is_hardly_plausible_counts_less() {
         let (frame, guides) = on_a_plane([1.0, 2.0, 6.0]);
-        let guides = Arc::new(guides);
-        let picture = |light: f32, past: Option<(&History, &EarlierPoints)>, limits: Option<&[[f32; 2]]>| {
+        let picture = |light: f32, past: Option<(&History, &EarlierPoints)>, limits: Option<&Planes<2>>| {
             let irradiance = vec![Vec3::splat(light); 1200];
-            History::new(&frame, &guides, Samples { irradiance: &irradiance, count: 1.0 }, past, 24.0, limits)
+            history_of(&frame, guides.clone(), Samples { irradiance: &irradiance, count: 1.0 }, past, limits)
         };
         let still = EarlierPoints::default();
         let mut past = picture(8.0, None, None);
         for _ in 0..3 {
             past = picture(8.0, Some((&past, &still)), None);
         }
-        let after = |light: f32| picture(light, Some((&past, &still)), Some(&vec![[light, light]; 1200])).means[600];
+        let limits = |light: f32| Planes::new(past.grid(), [0.0; 2], |_| [light, light]);
+        let after = |light: f32| picture(light, Some((&past, &still)), Some(&limits(light))).means[600];
         assert_eq!((after(8.0).length, after(8.0).irradiance), (5.0, Vec3::splat(8.0)));
         // Half as much light: a quarter of the samples.
         assert!((after(4.0).length - 2.0).abs() < 1e-5 && (after(4.0).irradiance - 4.0).length() < 1e-5);
