@@ -6,11 +6,11 @@ use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
 use super::emitters::EmitterLayer;
 use super::film_view::FilmView;
 use super::indirect::HalfFilm;
-use super::motion::Motion;
+use super::motion::{EarlierPoints, Motion};
 use super::planes::{Grid, box_sums};
 use super::reflections::Images;
 use super::spatial::{DIRECT_REACH, Filtered, SMOOTH_REACH};
-use super::surfaces::SurfacePlanes;
+use super::surfaces::{SurfacePlanes, Vectors};
 use super::temporal::{History, PixelMean, Samples};
 use super::{
     BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
@@ -23,13 +23,14 @@ use glam::{Vec3, Vec4Swizzles};
 use rayon::prelude::*;
 use std::sync::Arc;
 use web_time::Instant;
+use wide::f32x8;
 
 /// Result of a film.
 struct Reconstructed {
     scene: Arc<RenderScene>,
     history: History,
-    /// Means of the indirect light, at half the resolution.
-    indirect: History,
+    /// Means of the indirect light, at half the resolution, if there was any.
+    indirect: Option<History>,
     /// Means of the light of facets; empty if there are none.
     reflections: Vec<PixelMean>,
     shown: ShownPicture,
@@ -101,7 +102,10 @@ impl CpuReconstruction {
         let motion = changed_past.map_or_else(Motion::default, |past| Motion::new(&past.scene, scene));
         let earlier = motion.earlier_points(guides, frame.pixel);
         let max_history = self.changes.max_history * (1.0 - weight);
-        let continued = |frame: &FrameUniforms, shown, irradiance: &[Vec3], past: Option<(_, _)>| {
+        let continued = |frame: &FrameUniforms,
+                         shown: (&Arc<Vec<Guide>>, &SurfacePlanes),
+                         irradiance: &[Vec3],
+                         past: Option<(&History, &EarlierPoints)>| {
             let past = past.filter(|_| options.reprojection);
             let limits = self.changes.scene.then(|| temporal::plausible_luminances(frame, irradiance));
             let new = Samples { irradiance, count: samples as f32 };
@@ -109,17 +113,22 @@ impl CpuReconstruction {
         };
         let history = continued(frame, (guides, surfaces), &irradiance, past.map(|past| (&past.history, &earlier)));
         clock.ends("reprojection");
-        let mut half = HalfFilm::new(film);
-        if options.firefly_filter {
-            fireflies::spread_fireflies(&half.surfaces, samples as f32, &mut half.irradiance);
-        }
-        let half_earlier = motion.earlier_points(&half.guides, half.frame.pixel);
-        let half_past = past.map(|past| (&past.indirect, &half_earlier));
-        let indirect = continued(&half.frame, (&half.guides, &half.surfaces), &half.irradiance, half_past);
-        let clean_indirect = match options.spatial_filter {
-            true => spatial::filter(&indirect, &half.surfaces, None, SMOOTH_REACH),
-            false => Filtered::unfiltered(half.surfaces.grid, &indirect.means, None),
-        };
+        let past_indirect = past.and_then(|past| past.indirect.as_ref());
+        // Some scenes, such as a fractal alone, never have any.
+        let indirect = (surfaces.have_indirect_light || past_indirect.is_some()).then(|| {
+            let mut half = HalfFilm::new(film);
+            if options.firefly_filter {
+                fireflies::spread_fireflies(&half.surfaces, samples as f32, &mut half.irradiance);
+            }
+            let earlier = motion.earlier_points(&half.guides, half.frame.pixel);
+            let past = past_indirect.map(|past| (past, &earlier));
+            let history = continued(&half.frame, (&half.guides, &half.surfaces), &half.irradiance, past);
+            let clean = match options.spatial_filter {
+                true => spatial::filter(&history, &half.surfaces, None, SMOOTH_REACH),
+                false => Filtered::unfiltered(half.surfaces.grid, &history.means, None),
+            };
+            (half, history, clean)
+        });
         clock.ends("indirect light");
         let images = has_layers.then(|| Images::new(frame, (guides, surfaces), &reflected));
         let past_reflections = past.filter(|past| options.reprojection && !past.reflections.is_empty());
@@ -140,8 +149,11 @@ impl CpuReconstruction {
             true => spatial::filter(&history, surfaces, facets, DIRECT_REACH),
             false => Filtered::unfiltered(surfaces.grid, &history.means, facets.map(|(means, _)| means)),
         };
-        let of_walls = |place| half.interpolated(surfaces, place, &clean_indirect);
-        let clean = filtered.radiance(surfaces.grid, guides, of_walls);
+        let indirect_light = |place| match &indirect {
+            Some((half, _, clean)) => half.interpolated(surfaces, place, clean),
+            None => (Vectors::splat(f32x8::ZERO), f32x8::ZERO),
+        };
+        let clean = filtered.radiance(surfaces.grid, guides, indirect_light);
         clock.ends("spatial filter");
         let emitters =
             options.emitter_edges.then(|| EmitterLayer::new(&input.context(None), guides, size, first_sample));
@@ -171,6 +183,7 @@ impl CpuReconstruction {
         };
         clock.ends("mix with the film");
         self.passes = clock.passes;
+        let indirect = indirect.map(|(_, history, _)| history);
         self.present = Some(Reconstructed { scene: scene.clone(), history, indirect, reflections, shown });
         picture
     }

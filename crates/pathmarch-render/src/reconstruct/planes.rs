@@ -52,11 +52,11 @@ pub(super) const fn square_around<const COUNT: usize>(radius: i32) -> [(i32, i32
 pub(super) const SQUARE_OF_3: [(i32, i32); 8] = square_around(1);
 
 /// Number of pixels beside the rows of [`Planes`], at least the largest reach of the filter and eight more.
-pub(super) const MARGIN: usize = 16;
+const MARGIN: usize = 16;
 
 /// `N` numbers of all pixels, row by row: a plane of the row for each number, with a margin on both sides.
 pub(super) struct Planes<const N: usize> {
-    pub(super) stride: usize,
+    stride: usize,
     numbers: Vec<f32>,
 }
 
@@ -94,7 +94,7 @@ impl Place {
 
 impl<const N: usize> Planes<N> {
     /// Planes that `fill` writes: it receives the planes of a row, each with its margins, and the row.
-    pub(super) fn filled(grid: Grid, fill: impl Fn(&mut [&mut [f32]; N], i32) + Sync) -> Self {
+    fn filled(grid: Grid, fill: impl Fn(&mut [&mut [f32]; N], i32) + Sync) -> Self {
         let stride = grid.width as usize + 2 * MARGIN;
         let mut numbers = vec![0.0; N * stride * grid.height as usize];
         numbers.par_chunks_mut(N * stride).enumerate().with_min_len(8).for_each(|(row, planes)| {

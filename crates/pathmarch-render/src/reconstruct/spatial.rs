@@ -229,12 +229,12 @@ impl Filtered {
                 let guide = &guides[indices[lane]];
                 let divisor = guide.divisor();
                 let of_facets = reflected.map_or(Vec3::ZERO, |reflected| reflected[lane] * guide.reflection_divisor());
-                let of_walls = match guide.class {
+                let scattered = match guide.class {
                     GuideClass::Surface if are_known >> lane & 1 == 1 => light[lane] * divisor,
                     GuideClass::Surface => guide.indirect,
                     _ => Vec3::ZERO,
                 };
-                base[lane] * divisor + of_facets + of_walls
+                base[lane] * divisor + of_facets + scattered
             })
         })
     }

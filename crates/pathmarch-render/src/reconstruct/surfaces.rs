@@ -6,6 +6,7 @@ use crate::integrator::guides::{Guide, GuideClass};
 use crate::integrator::medium_light::MEDIUM_ALPHA;
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
+use glam::Vec3;
 use pathmarch_field::number::Vec3 as FieldVec3;
 use std::sync::atomic::{AtomicBool, Ordering};
 use wide::f32x8;
@@ -39,6 +40,8 @@ pub(super) struct SurfacePlanes {
     seen_normals: Option<Planes<3>>,
     /// Alphas of light that is recorded apart, if there is any.
     alphas: Option<Planes<1>>,
+    /// True if other surfaces have scattered light to some of them.
+    pub(super) have_indirect_light: bool,
 }
 
 /// Surfaces of eight adjoining pixels, as filters compare them.
@@ -87,7 +90,7 @@ impl SurfacePlanes {
         let grid = Grid::new(frame.size());
         let mut margin = [0.0; PLANES];
         (margin[7], margin[8]) = (NONE, NONE);
-        let [has_glass, has_layers] = [const { AtomicBool::new(false) }; 2];
+        let [has_glass, has_layers, has_indirect_light] = [const { AtomicBool::new(false) }; 3];
         let planes = Planes::new(grid, margin, |index| {
             let guide = &guides[index];
             if guide.class == GuideClass::Glass {
@@ -95,6 +98,9 @@ impl SurfacePlanes {
             }
             if guide.has_layer() {
                 has_layers.store(true, Ordering::Relaxed);
+            }
+            if guide.indirect != Vec3::ZERO {
+                has_indirect_light.store(true, Ordering::Relaxed);
             }
             let behind_medium = u32::from(guide.has_medium());
             let filtered = match guide.class {
@@ -119,6 +125,7 @@ impl SurfacePlanes {
             planes,
             seen_normals: has_glass.into_inner().then(seen_normals),
             alphas: has_layers.into_inner().then(alphas),
+            have_indirect_light: has_indirect_light.into_inner(),
         }
     }
 

@@ -12,7 +12,7 @@ use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::number::Mask8;
 use std::sync::Arc;
-use wide::f32x8;
+use wide::{f32x8, i32x8};
 
 /// Means of the pixels of a picture, with all that is needed to find them in the next one.
 pub(super) struct History {
@@ -343,8 +343,9 @@ impl Tap {
         let [width, height] = [grid.width, grid.height].map(|side| f32x8::splat(side as f32));
         let are_inside =
             column.simd_ge(f32x8::ZERO) & row.simd_ge(f32x8::ZERO) & column.simd_lt(width) & row.simd_lt(height);
-        let index = are_inside & (row * width + column);
-        // Missing numbers would be no index.
+        // Missing numbers would be no index, and floating-point numbers are too coarse for that of a very large picture.
+        let [column, row] = [column, row].map(|at| (are_inside & at).fast_trunc_int());
+        let index = row * i32x8::splat(grid.width) + column;
         Self { indices: index.to_array().map(|index| index as usize), are_inside }
     }
 }
