@@ -122,7 +122,6 @@ impl Neighbourhoods {
 /// New samples of a picture, which is shown at another size.
 struct Upscaling<'a> {
     present: &'a History,
-    frame: &'a FrameUniforms,
     grid: Grid,
     samples: &'a [Vec3],
     /// Opponent colours of the samples, and the lengths of their paths; the largest number for those that are no part of the picture.
@@ -168,7 +167,6 @@ pub(super) fn antialiased(
     };
     let upscaling = Upscaling {
         present,
-        frame,
         grid,
         samples,
         opponents: Planes::new(grid, [0.0, 0.0, 0.0, f32::MAX], opponent),
@@ -190,7 +188,7 @@ fn sample_position(frame: &FrameUniforms, projection: &Projection, index: usize,
 impl Upscaling<'_> {
     /// Computes rows of the picture, `width` pixels each, from this one on.
     fn fill_rows(&self, first_row: usize, width: usize, colours: &mut [Vec4], last: Option<Last>) {
-        let [samples_wide, samples_high] = self.frame.size().map(|side| side as usize);
+        let [samples_wide, samples_high] = self.present.frame.size().map(|side| side as usize);
         let point = |pixel: usize, k: usize| (pixel as f32 + 0.5) / self.factor[k];
         let (mut row_of_samples, mut neighbourhoods) = (usize::MAX, Vec::new());
         for (row, colours) in colours.chunks_mut(width).enumerate() {
@@ -255,8 +253,9 @@ impl Upscaling<'_> {
             limited(opponent.z, green, deviation.z),
         ))
         .max(f32x8::ZERO);
-        let moved =
-            |k: usize| [position.x, position.y][k] * (self.frame.size()[k] as f32 / sampled[k] as f32) - point[k];
+        let moved = |k: usize| {
+            [position.x, position.y][k] * (self.present.frame.size()[k] as f32 / sampled[k] as f32) - point[k]
+        };
         let speed = (moved(0) * moved(0) + moved(1) * moved(1)).sqrt() * FAST_MOTION.recip();
         let new_weight = f32x8::splat(new_weight).fast_max(speed.fast_min(f32x8::ONE) * MOVING_WEIGHT);
         let weight = (new_weight * f32x8::from(weights)).fast_max(f32x8::splat(MIN_WEIGHT));
@@ -271,7 +270,7 @@ impl Upscaling<'_> {
         let Neighbourhoods { before, now, .. } = around;
         // Pictures may differ in size.
         let size = [history.frame.width as f32, history.frame.height as f32];
-        let scale = [size[0] / self.frame.width as f32, size[1] / self.frame.height as f32];
+        let scale = [size[0] / self.present.frame.width as f32, size[1] / self.present.frame.height as f32];
         let (x, y) = ((u - now.x) * scale[0] + before.x, (v - now.y) * scale[1] + before.y);
         let is_inside = |at: f32x8, size: f32| at.simd_ge(f32x8::ZERO) & at.simd_lt(f32x8::splat(size));
         Positions { x, y, mask: before.mask & is_inside(x, size[0]) & is_inside(y, size[1]) }
@@ -313,7 +312,7 @@ impl Upscaling<'_> {
             (index.max(0) as usize).min(self.samples.len() - 1)
         });
         let points = self.present.points(indices);
-        let sought = history.sought(&points, earlier, indices, self.frame);
+        let sought = history.sought(&points, earlier, indices, &self.present.frame);
         Neighbourhoods {
             mean: Vectors::new(mean[0], mean[1], mean[2]),
             deviation: Vectors::new(deviation(0), deviation(1), deviation(2)),

@@ -331,10 +331,9 @@ fn variance_without_facets(guide: &Guide, direct: f32) -> f32 {
     (variance - variance_of_facets).max(LEAST_BASE_VARIANCE * variance)
 }
 
-/// Weight of a film of `samples` samples in a pixel with this mean luminance of the irradiance, from its own noise: near 1
-/// once that cannot be seen. Nothing but the film shows edges as they are.
-fn settled_weight(guide: &Guide, irradiance: f32, samples: f32) -> f32 {
-    let variance = film_variance(guide, irradiance, samples);
+/// Weight of a film of `samples` samples in a pixel with this mean luminance of the irradiance and its variance, from its own
+/// noise: near 1 once that cannot be seen. Nothing but the film shows edges as they are.
+fn settled_weight(guide: &Guide, [irradiance, variance]: [f32; 2], samples: f32) -> f32 {
     let visible = variance.sqrt() / (VISIBLE_NOISE * irradiance.max(1e-4));
     let clean = (1.0 - visible).max(0.0);
     let settled = if guide.is_mixed { 1.0 } else { clean * clean };
