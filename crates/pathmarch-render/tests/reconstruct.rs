@@ -445,6 +445,36 @@ fn mirror_images_keep_their_past_while_the_camera_moves() {
     assert!(found.len() == 40 && share > 0.95, "{share}");
 }
 
+/// A mirror before a white wall, which shows a dark wall behind the camera.
+const MIRROR: &str = "pathmarch 1\ncamera { position 0 1 6; target 0 1 0; fov 30 }\nrender { bounces 2 }\nsky 1\n\
+    material \"white\" { diffuse 0.8 }\nmaterial \"black\" { diffuse 0.05 }\n\
+    material \"mirror\" { metal 0.9; roughness 0 }\n\
+    object \"wall\" material=\"white\" { rect 20 { normal 0 0 1; at 0 1 -1.5 } }\n\
+    object \"behind\" material=\"black\" { rect 40 { normal 0 0 -1; at 0 1 14 } }\n\
+    object \"mirror\" material=\"mirror\" { rect 1.2 { normal 0 0 1; at 0 1 0 } }";
+
+fn outlines_of_mirrors_move_with_them() {
+    let scene = Arc::new(parse(MIRROR));
+    let mut sequence = sequence();
+    let frames = (0..20).map(|frame| {
+        let settings = settings(&scene, moved(&scene, 0.05 * frame as f32), 1, 7);
+        sequence.render(&scene, &Settings { first_sample: frame, ..settings }).expect("a picture").reconstructed
+    });
+    let last = frames.last().expect("a frame");
+    let reference = converged(&scene, moved(&scene, 0.95));
+    // Means of columns, in rows that show the mirror.
+    let column = |picture: &Picture, x: u32| {
+        (20..34).filter_map(|y| picture.get(x, y)).map(|pixel| f64::from(pixel[1])).sum::<f64>() / 14.0
+    };
+    let [wall, mirror] = [20, 48].map(|x| column(&reference, x));
+    // Pixels by which the left and the right edge are off.
+    let lags = [35..41, 55..61]
+        .map(|columns| columns.map(|x| column(&last, x) - column(&reference, x)).sum::<f64>() / (wall - mirror));
+    println!("edges are off by {lags:.3?} pixels");
+    // With the motion of the image, it is about 0.2 and -0.3.
+    assert!(wall > 4.0 * mirror && lags.iter().all(|lag| lag.abs() < 0.15), "{lags:?}");
+}
+
 fn both_backends_follow_a_growing_ball(renderers: &mut [Renderer; 2]) {
     let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
     for frame in 0..5 {
@@ -475,6 +505,7 @@ tests! {
         nothing_stays_where_an_object_was,
         a_growing_ball_keeps_its_past,
         mirror_images_keep_their_past_while_the_camera_moves,
+        outlines_of_mirrors_move_with_them,
         reflections_stay_where_they_are_while_the_camera_moves,
         light_in_fog_stays_where_it_is_while_the_camera_moves,
         lamps_have_clean_edges_while_the_camera_moves,

@@ -12,7 +12,7 @@ struct EmitterWords {
 
 /// True if the camera sees an emitter.
 fn shows_emitter(words: EmitterWords) -> bool {
-    return (words.third.x >> CLASS_SHIFT) == GUIDE_EMITTER && words.third.z != NO_LEAF;
+    return (words.third.x >> CLASS_SHIFT) == GUIDE_EMITTER && (words.third.z & MIRROR_BIT) == 0u;
 }
 
 /// Emitters and edges at a sample beside another.

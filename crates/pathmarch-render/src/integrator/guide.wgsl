@@ -1,3 +1,4 @@
+// import: integrator/first_mirror
 // Guides in memory: sixteen 32-bit words for each pixel. Twin of `Guide` in guides.rs.
 
 /// Bit of a glossy surface beside the index of its object.
@@ -30,6 +31,8 @@ struct Guide {
     seen_object: u32,
     /// Index of the leaf of `position`; `NO_LEAF` for the sky and for mirror images.
     leaf: u32,
+    /// Word of the mirror in front of the surface, see first_mirror.rs.
+    mirror: u32,
     is_glossy: bool,
     /// True if the samples show several surfaces.
     is_mixed: bool,
@@ -42,20 +45,6 @@ struct Guide {
     /// Light that other surfaces have scattered to one that scatters light, without that of facets; 0 elsewhere, and on
     /// fractals.
     indirect: vec3f,
-}
-
-/// Unit vector in two numbers from -1 to 1: an octahedral map (Meyer et al. 2010).
-fn octahedral(v: vec3f) -> vec2f {
-    let flat = v.xy / (abs(v.x) + abs(v.y) + abs(v.z));
-    let folded = (1.0 - abs(flat.yx)) * select(vec2f(-1.0), vec2f(1.0), flat >= vec2f(0.0));
-    return select(flat, folded, v.z < 0.0);
-}
-
-/// Inverse of `octahedral`.
-fn from_octahedral(flat: vec2f) -> vec3f {
-    let z = 1.0 - abs(flat.x) - abs(flat.y);
-    let overhang = max(-z, 0.0);
-    return normalize(vec3f(flat - select(vec2f(-overhang), vec2f(overhang), flat >= vec2f(0.0)), z));
 }
 
 /// Numbers from 0 to 1 of the facets of a guide in one word: the depth and the squared mean over the mean square in 12 bits
@@ -113,7 +102,7 @@ fn packed_guide(guide: Guide) -> array<vec4u, 4> {
         vec4u(
             guide.object | select(0u, GLOSSY_BIT, guide.is_glossy) | (guide.guide_class << CLASS_SHIFT),
             guide.seen_object | select(0u, MIXED_BIT, guide.is_mixed) | select(0u, COLOURED_BIT, guide.has_coloured_facets),
-            guide.leaf,
+            select(guide.leaf, guide.mirror, guide.leaf == NO_LEAF),
             albedo.z,
         ),
         vec4u(bitcast<vec3u>(guide.reflected), packed_facets(guide)),
@@ -135,7 +124,9 @@ fn unpacked_guide(words: array<vec4u, 4>) -> Guide {
     guide.object = words[2].x & (GLOSSY_BIT - 1u);
     guide.seen_object = words[2].y & (COLOURED_BIT - 1u);
     guide.is_mixed = (words[2].y & MIXED_BIT) != 0u;
-    guide.leaf = words[2].z;
+    let has_leaf = (words[2].z & MIRROR_BIT) == 0u;
+    guide.leaf = select(NO_LEAF, words[2].z, has_leaf);
+    guide.mirror = select(words[2].z, MIRROR_BIT, has_leaf);
     guide.has_coloured_facets = (words[2].y & COLOURED_BIT) != 0u;
     guide.reflected = bitcast<vec3f>(words[3].xyz);
     let facets = words[3].w;

@@ -6,6 +6,7 @@
 //! pixel; the albedo is a mean over all of them, so that edges and textures are as smooth as the film.
 
 use super::camera::central_point;
+use super::first_mirror::FirstMirror;
 use super::medium_light::{MEDIUM_ALPHA, MediumLightRecorder};
 use super::path_state::Path;
 use super::reflected_light::{ReflectedLight, ReflectionRecorder};
@@ -88,6 +89,8 @@ pub(crate) struct Guide {
     pub(crate) seen_object: u32,
     /// Index of the leaf of `position`; [`NO_LEAF`] for the sky and for mirror images.
     pub(crate) leaf: u32,
+    /// Mirror in front of the surface.
+    pub(crate) mirror: FirstMirror,
     pub(crate) class: GuideClass,
     /// True if the samples show several surfaces.
     pub(crate) is_mixed: bool,
@@ -112,6 +115,7 @@ impl Guide {
         object: 0,
         seen_object: 0,
         leaf: NO_LEAF,
+        mirror: FirstMirror::NONE,
     };
 }
 
@@ -315,6 +319,9 @@ impl GuideRecorder {
         };
         if is_delta && !is_glass {
             let n = interaction.normal;
+            if surface_index == 0 {
+                guide.mirror = FirstMirror::new(interaction.p.distance(self.camera_rays[slot].origin), n);
+            }
             let reflection = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis - 2.0 * axis.dot(n) * n);
             self.states[slot] = State::Mirrored(mirrors * Mat3::from_cols(reflection[0], reflection[1], reflection[2]));
             return;
@@ -355,6 +362,7 @@ impl GuideRecorder {
             object,
             seen_object: object,
             leaf: if surface_index == 0 { interaction.leaf as u32 } else { NO_LEAF },
+            mirror: guide.mirror,
         };
         if class == GuideClass::Surface && material.has(GLOSSY) && !self.media.has_passed(slot) {
             self.reflections.begin(ctx, path, interaction);

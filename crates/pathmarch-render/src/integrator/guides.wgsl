@@ -47,6 +47,7 @@ fn begin_guide(camera: Ray) {
     guide.seen_object = 0u;
     guide.is_mixed = false;
     guide.leaf = NO_LEAF;
+    guide.mirror = MIRROR_BIT;
     guide.is_glossy = false;
     guide.alpha = 0.0;
     guide.has_coloured_facets = false;
@@ -141,6 +142,9 @@ fn record_guide(
     }
     let n = interaction.normal;
     if is_delta && !is_glass {
+        if surface_index == 0u {
+            guide.mirror = packed_mirror(distance(interaction.p, guide_ray.origin), n);
+        }
         let reflection = mat3x3f(
             vec3f(1.0, 0.0, 0.0) - 2.0 * n.x * n,
             vec3f(0.0, 1.0, 0.0) - 2.0 * n.y * n,

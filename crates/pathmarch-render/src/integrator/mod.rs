@@ -7,6 +7,7 @@
 pub(crate) mod camera;
 pub(crate) mod emitter_coverage;
 pub(crate) mod emitter_edges;
+pub(crate) mod first_mirror;
 pub(crate) mod guides;
 pub(crate) mod light_sampling;
 mod light_sampling_lanes;

@@ -12,7 +12,7 @@
 
 use super::motion::EarlierPoints;
 use super::planes::{Grid, Place, Planes};
-use super::surfaces::Vectors;
+use super::surfaces::{MirrorPlanes, Points, SurfacePlanes, Vectors};
 use super::temporal::{History, Positions, Projection, SoughtPoints};
 use crate::integrator::guides::Guide;
 use crate::intersect::ray::{lanes, pack, set_bits, transposed, unpack};
@@ -119,9 +119,21 @@ impl Neighbourhoods {
     }
 }
 
+/// Outlines of mirrors at eight pixels: they move with the mirrors, not with their images.
+struct Outlines {
+    /// Mask of the pixels at an outline.
+    mask: f32x8,
+    /// Offsets of the indices of the samples that show the first surfaces nearest to the camera, and the distances of these from the
+    /// camera if they are mirrors, metres, else 0.
+    nearest: f32x8,
+    distance: f32x8,
+}
+
 /// New samples of a picture, which is shown at another size.
 struct Upscaling<'a> {
     present: &'a History,
+    /// Mirrors that the camera sees, if there are any.
+    mirrors: Option<&'a MirrorPlanes>,
     grid: Grid,
     samples: &'a [Vec3],
     /// Opponent colours of the samples, and the lengths of their paths; the largest number for those that are no part of the picture.
@@ -143,7 +155,7 @@ struct PlacedSamples {
 /// Averages samples with the last picture, at a size that is at least theirs. If emitters are a layer apart, samples of them
 /// do not move others.
 pub(super) fn antialiased(
-    present: &History,
+    (present, surfaces): (&History, &SurfacePlanes),
     samples: &[Vec3],
     size: [u32; 2],
     last: Option<Last>,
@@ -167,6 +179,7 @@ pub(super) fn antialiased(
     };
     let upscaling = Upscaling {
         present,
+        mirrors: surfaces.mirrors.as_ref(),
         grid,
         samples,
         opponents: Planes::new(grid, [0.0, 0.0, 0.0, f32::MAX], opponent),
@@ -306,6 +319,8 @@ impl Upscaling<'_> {
         let share = f32x8::ONE / (columns * rows);
         let (mean, square) = (sum.map(|sum| sum * share), squares.map(|squares| squares * share));
         let deviation = |k: usize| (square[k] - mean[k] * mean[k]).fast_max(f32x8::ZERO).sqrt() * f32x8::splat(REACH);
+        let outlines = self.mirrors.map(|mirrors| self.outlines(mirrors, place));
+        let nearest = outlines.as_ref().map_or(nearest, |outlines| outlines.mask.select(outlines.nearest, nearest));
         let (indices, nearest) = (place.indices(self.grid), nearest.to_array());
         let indices = std::array::from_fn(|lane| {
             let index = indices[lane] as i32 + nearest[lane] as i32;
@@ -317,9 +332,39 @@ impl Upscaling<'_> {
             mean: Vectors::new(mean[0], mean[1], mean[2]),
             deviation: Vectors::new(deviation(0), deviation(1), deviation(2)),
             sought,
-            before: history.projection.project_all(sought.position),
+            before: history.projection.project_all(self.moving_points(&points, &sought, outlines)),
             now: self.present.projection.project_all(points.position),
         }
+    }
+
+    /// Outlines of mirrors at eight pixels of the samples.
+    #[inline(always)]
+    fn outlines(&self, mirrors: &MirrorPlanes, place: Place) -> Outlines {
+        let here = mirrors.at(place);
+        let (mut mask, mut nearest, mut distance) = (f32x8::ZERO, f32x8::ZERO, f32x8::ZERO);
+        let mut least = f32x8::splat(f32::MAX);
+        for dy in -1..=1 {
+            for dx in -1..=1 {
+                let Some(at) = place.moved(self.grid, dx, dy) else { continue };
+                let (there, length) = (mirrors.at(at), self.opponents.load(3, at));
+                mask |= here.differ(&there) & length.simd_lt(f32x8::splat(f32::MAX));
+                let front = there.are_mirrors().select(there.distance, length);
+                let is_nearer = front.simd_lt(least);
+                least = is_nearer.select(front, least);
+                distance = is_nearer.select(there.distance, distance);
+                nearest = is_nearer.select(f32x8::splat((dy * self.grid.width + dx) as f32), nearest);
+            }
+        }
+        Outlines { mask, nearest, distance }
+    }
+
+    /// Points whose motion eight pixels share: those of the surfaces in the last picture, or of the mirrors that they outline.
+    #[inline(always)]
+    fn moving_points(&self, points: &Points, sought: &SoughtPoints, outlines: Option<Outlines>) -> Vectors {
+        let Some(Outlines { mask, distance, .. }) = outlines else { return sought.position };
+        let eye = Vectors::constant(self.present.frame.position);
+        let of_mirrors = eye + (points.position - eye) * (distance / points.length);
+        Vectors::select(Mask8(mask & distance.simd_gt(f32x8::ZERO)), of_mirrors, sought.position)
     }
 
     /// Colour at a point, in pixels of the samples, within one of these pixels, and the weight of the sample nearest to it, 0 to 1.

@@ -73,6 +73,19 @@ fn length_of_part(guide: Guide) -> f32 {
     return select(path_length(guide), 3e38, uniforms.has_emitters != 0u && is_seen_emitter(guide));
 }
 
+/// Distance of the first surface on the ray of a guide, which may be a mirror, from the camera, metres.
+fn front_distance(guide: Guide) -> f32 {
+    let distance = mirror_distance(guide.mirror);
+    return select(length_of_part(guide), distance, distance > 0.0);
+}
+
+/// True if one of two guides is that of a mirror and the other is not, or if they are of different faces of mirrors.
+fn mirrors_differ(a: Guide, b: Guide) -> bool {
+    let are_mirrors = vec2<bool>(mirror_distance(a.mirror) > 0.0, mirror_distance(b.mirror) > 0.0);
+    let turned = dot(mirror_normal(a.mirror), mirror_normal(b.mirror)) < MIN_MIRROR_COSINE;
+    return are_mirrors.x != are_mirrors.y || (all(are_mirrors) && turned);
+}
+
 /// Averages samples with the last picture.
 @compute @workgroup_size(8, 8)
 fn antialias(@builtin(global_invocation_id) id: vec3u) {
@@ -91,6 +104,12 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     // Edges move with what is in front.
     var nearest = guide_at(pixel_index(centre));
     var nearest_pixel = pixel_index(centre);
+    // Outlines of mirrors move with these, not with their images.
+    let here = nearest;
+    var is_outline = false;
+    var front = nearest;
+    var front_pixel = nearest_pixel;
+    var least = 3e38;
     var colour = estimates[pixel_index(centre)].xyz;
     var weighted = vec3f(0.0);
     var total = 0.0;
@@ -105,6 +124,12 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
         if length_of_part(guide) < length_of_part(nearest) {
             nearest = guide;
             nearest_pixel = pixel_index(place);
+        }
+        is_outline = is_outline || (mirrors_differ(here, guide) && length_of_part(guide) < 3e38);
+        if front_distance(guide) < least {
+            least = front_distance(guide);
+            front = guide;
+            front_pixel = pixel_index(place);
         }
         let opponent = opponent_of(there);
         sum += opponent;
@@ -130,8 +155,15 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     if uniforms.antialiases == 0u {
         return;
     }
+    if is_outline {
+        nearest = front;
+        nearest_pixel = front_pixel;
+    }
     let before = earlier(nearest, nearest_pixel);
-    let old_position = project_before(before.position);
+    let distance_of_mirror = mirror_distance(nearest.mirror);
+    let on_mirror =
+        uniforms.position + (nearest.position - uniforms.position) * (distance_of_mirror / path_length(nearest));
+    let old_position = project_before(select(before.position, on_mirror, is_outline && distance_of_mirror > 0.0));
     let new_position = project(nearest.position);
     if old_position.x < -1e8 || new_position.x < -1e8 {
         return;

@@ -140,7 +140,7 @@ impl CpuReconstruction {
         let changes = Changes { max_history, ..self.changes };
         let reflections = images.as_ref().map_or_else(Vec::new, |images| {
             let new = Samples { irradiance: &reflected, count: samples as f32 };
-            let present = reflections::Present { frame, guides, surfaces, images, new };
+            let present = reflections::Present { history: &history, surfaces, images, new };
             present.accumulated(past_reflections, &changes)
         });
         clock.ends("reflections");
@@ -170,7 +170,7 @@ impl CpuReconstruction {
             earlier: &earlier,
             new_weight: new_weight(samples),
         });
-        let shown = antialiased(&history, &clean, size, last, emitters.is_some());
+        let shown = antialiased((&history, surfaces), &clean, size, last, emitters.is_some());
         clock.ends("anti-aliasing");
         let rest = shown.colours.par_iter().enumerate().map(|(index, colour)| (index, colour.xyz()));
         let picture: Vec<Vec3> = match &emitters {

@@ -50,6 +50,15 @@ fn shows_medium(sought: Guide, there: Guide, light_distance: f32) -> bool {
     return has_medium(there) && abs(depth - depth_there) < MEDIUM_REACH;
 }
 
+/// Offset from a point that the sample of a pixel shows to the middle of the pixel, in pixels of the last picture. Twin of
+/// `offset_to_middle` in temporal.rs.
+fn offset_to_middle(position: vec2i, point: vec3f) -> vec2f {
+    let now = project(point);
+    let size = vec2f(f32(uniforms.width), f32(uniforms.height));
+    let past_size = vec2f(f32(uniforms.past_width), f32(uniforms.past_height));
+    return select((vec2f(position) + 0.5 - now) * past_size / size, vec2f(0.0), now.x < -1e8);
+}
+
 /// What `mean_at` looks for: the sought point, a reflector of its image, or a medium.
 const FINDS_POINT = 0u;
 const FINDS_REFLECTOR = 1u;

@@ -278,7 +278,7 @@ pub struct PassTime {
 
 /// History of a pixel.
 struct PixelHistory {
-    /// Position of the pixel's point in the last picture, pixels of its samples; `None` where it was hidden.
+    /// Position in the last picture of what is in the middle of the pixel, pixels of its samples; `None` where it was hidden.
     before: Option<[f32; 2]>,
     /// Number of samples in the mean.
     length: f32,

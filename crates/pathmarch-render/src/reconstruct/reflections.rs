@@ -174,8 +174,7 @@ impl Curvatures {
 
 /// Present picture whose light of facets and media is accumulated.
 pub(super) struct Present<'a> {
-    pub(super) frame: &'a FrameUniforms,
-    pub(super) guides: &'a [Guide],
+    pub(super) history: &'a History,
     pub(super) surfaces: &'a SurfacePlanes,
     pub(super) images: &'a Images,
     pub(super) new: Samples<'a>,
@@ -192,11 +191,11 @@ pub(super) struct Past<'a> {
 impl Present<'_> {
     /// Joins new samples of the light of facets or media with the past, if the last picture showed any.
     pub(super) fn accumulated(&self, past: Option<Past>, changes: &Changes) -> Vec<PixelMean> {
-        let moves = past.is_some_and(|past| camera_moves(&past.history.frame, self.frame));
+        let moves = past.is_some_and(|past| camera_moves(&past.history.frame, &self.history.frame));
         let past = past.filter(|_| changes.max_history > 0.0);
         by_eight(self.surfaces.grid, |place| {
             let indices = place.indices(self.surfaces.grid);
-            let alone = Means::alone(&self.new, indices, |index, _| self.guides[index].reflected.square);
+            let alone = Means::alone(&self.new, indices, |index, _| self.history.guides[index].reflected.square);
             let alpha = self.surfaces.alpha(place);
             let have_layer = alpha.simd_gt(f32x8::ZERO);
             let Some(past) = past.filter(|_| have_layer.any()) else { return alone.each() };
@@ -221,14 +220,20 @@ impl Present<'_> {
         })
     }
 
+    /// See [`History::offset_to_middle`].
+    #[inline(always)]
+    fn offset_to_middle(&self, past: Past, place: Place) -> [f32x8; 2] {
+        past.history.offset_to_middle(&self.history.projection, place, self.surfaces.position(place))
+    }
+
     /// Positions in the last picture of the images of eight pixels.
     #[inline(always)]
     fn positions(&self, past: Past, place: Place, image: &Image, mask: f32x8) -> Positions {
         let position = self.surfaces.position(place);
-        let ray = position - Vectors::constant(self.frame.position);
+        let ray = position - Vectors::constant(self.history.frame.position);
         let mut positions = past.history.projection.project_all(position + ray.normalized() * image.depth);
         positions.mask &= mask;
-        positions
+        positions.moved(self.offset_to_middle(past, place))
     }
 
     /// Means of the past of the light of media at the pixels of a mask.
@@ -246,7 +251,7 @@ impl Present<'_> {
     fn in_facets(&self, past: Past, place: Place, image: &Image, mask: f32x8, moves: bool) -> Found {
         let Past { history, means, earlier } = past;
         let indices = place.indices(self.surfaces.grid);
-        let sought = history.sought(&self.surfaces.points(place), earlier, indices, self.frame);
+        let sought = history.sought(&self.surfaces.points(place), earlier, indices, &self.history.frame);
         let mut found = Found::NONE;
         if moves {
             // In a surface that moves, the image moves as well.
@@ -258,7 +263,7 @@ impl Present<'_> {
             found = history.means_at(&positions, means, |tap| history.show_reflectors(tap, &sought));
         }
         if (mask & !found.mask).any() {
-            let mut of_point = history.find(&sought, means);
+            let mut of_point = history.find(&sought, self.offset_to_middle(past, place), means);
             if moves {
                 of_point.means.length = of_point.means.length.fast_min(f32x8::splat(MAX_IMAGELESS_HISTORY));
             }

@@ -121,12 +121,13 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
     let side = coarser_pixel(guide);
     let moves = uniforms.camera_moves != 0u;
     let mirrored = guide.position + normalize(guide.position - uniforms.position) * image.x;
+    let to_middle = offset_to_middle(position, guide.position);
     let is_medium = has_medium(guide);
     let has_limits = uniforms.scene_changed != 0u || moves && !is_medium;
     let limits = select(vec2f(0.0, 3e38), image.zw, has_limits);
     var found: History;
     if is_medium {
-        found = mean_at(project_before(mirrored), moved, image.x + path_length(guide), FINDS_MEDIUM);
+        found = mean_at(project_before(mirrored) + to_middle, moved, image.x + path_length(guide), FINDS_MEDIUM);
         if found.length > 0.0 {
             let max_history = select(uniforms.max_history, min(uniforms.max_history, MAX_MEDIUM_HISTORY), moves);
             history[pixel] = joined(found, alone, limits, max_history);
@@ -135,10 +136,10 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
     }
     // In a surface that moves, the image moves as well.
     if moves && image.x > NO_IMAGE && all(moved.position == guide.position) {
-        found = mean_at(project_before(mirrored), moved, side, FINDS_REFLECTOR);
+        found = mean_at(project_before(mirrored) + to_middle, moved, side, FINDS_REFLECTOR);
     }
     if found.length <= 0.0 {
-        found = mean_at(project_before(moved.position), moved, side, FINDS_POINT);
+        found = mean_at(project_before(moved.position) + to_middle, moved, side, FINDS_POINT);
         found.length = select(found.length, min(found.length, MAX_IMAGELESS_HISTORY), moves);
     }
     if found.length <= 0.0 {

@@ -12,7 +12,7 @@ use glam::Vec3;
 use wide::f32x8;
 
 /// Distances between the taps of the filter, pixels, one for each pass.
-pub(super) const STEPS: [i32; 2] = [1, 3];
+pub(super) const STEPS: [i32; 2] = [1, 4];
 
 shared_constants! {
     /// Samples of a history that make its own variance trustworthy.
@@ -20,7 +20,7 @@ shared_constants! {
     /// Half the side of the square in which the variance of a young history is estimated, pixels.
     const VARIANCE_RADIUS: i32 = 2;
     /// Difference of luminance, in standard deviations, at which the weight ends for direct light, which has sharp shadows.
-    pub(super) const DIRECT_REACH: f32 = 2.0;
+    pub(super) const DIRECT_REACH: f32 = 2.5;
     /// The same for indirect light and for that of facets.
     pub(super) const SMOOTH_REACH: f32 = 3.0;
     /// Distance of the normals of points that share the light of facets, in alphas, at which the weight ends.

@@ -1,6 +1,7 @@
 //! Surfaces that the pixels of a picture show, in planes.
 
 use super::planes::{Grid, Place, Planes};
+use crate::integrator::first_mirror::FirstMirror;
 use crate::integrator::guides::{Guide, GuideClass};
 #[cfg(doc)]
 use crate::integrator::medium_light::MEDIUM_ALPHA;
@@ -16,6 +17,8 @@ shared_constants! {
     const MIN_SMOOTH_COSINE: f32 = 0.9;
     /// Least number of such pixels beside one that is on a smooth surface.
     const SMOOTH_NEIGHBOURS: u32 = 2;
+    /// Least cosine between the normals of pixels of one face of a mirror.
+    const MIN_MIRROR_COSINE: f32 = 0.9;
 }
 
 /// Offsets to the pixels beside one.
@@ -40,8 +43,42 @@ pub(super) struct SurfacePlanes {
     seen_normals: Option<Planes<3>>,
     /// Alphas of light that is recorded apart, if there is any.
     alphas: Option<Planes<1>>,
+    /// Mirrors that the camera sees, if there are any.
+    pub(super) mirrors: Option<MirrorPlanes>,
     /// True if other surfaces have scattered light to some of them.
     pub(super) have_indirect_light: bool,
+}
+
+/// Distances of mirrors from the camera in metres, 0 without one, and their normals.
+pub(super) struct MirrorPlanes(Planes<4>);
+
+/// Mirrors of eight pixels.
+pub(super) struct Mirrors {
+    /// Distances from the camera, metres; 0 without a mirror.
+    pub(super) distance: f32x8,
+    normal: Vectors,
+}
+
+impl MirrorPlanes {
+    #[inline(always)]
+    pub(super) fn at(&self, place: Place) -> Mirrors {
+        let [distance, x, y, z] = std::array::from_fn(|k| self.0.load(k, place));
+        Mirrors { distance, normal: Vectors::new(x, y, z) }
+    }
+}
+
+impl Mirrors {
+    #[inline(always)]
+    pub(super) fn are_mirrors(&self) -> f32x8 {
+        self.distance.simd_gt(f32x8::ZERO)
+    }
+
+    /// Mask of the pixels where one is a mirror and the other is none, or where they are different faces of mirrors.
+    #[inline(always)]
+    pub(super) fn differ(&self, other: &Self) -> f32x8 {
+        let (a, b) = (self.are_mirrors(), other.are_mirrors());
+        (a ^ b) | (a & b & self.normal.dot(other.normal).simd_lt(f32x8::splat(MIN_MIRROR_COSINE)))
+    }
 }
 
 /// Surfaces of eight adjoining pixels, as filters compare them.
@@ -90,7 +127,7 @@ impl SurfacePlanes {
         let grid = Grid::new(frame.size());
         let mut margin = [0.0; PLANES];
         (margin[7], margin[8]) = (NONE, NONE);
-        let [has_glass, has_layers, has_indirect_light] = [const { AtomicBool::new(false) }; 3];
+        let [has_glass, has_layers, has_indirect_light, has_mirrors] = [const { AtomicBool::new(false) }; 4];
         let planes = Planes::new(grid, margin, |index| {
             let guide = &guides[index];
             if guide.class == GuideClass::Glass {
@@ -101,6 +138,9 @@ impl SurfacePlanes {
             }
             if guide.indirect != Vec3::ZERO {
                 has_indirect_light.store(true, Ordering::Relaxed);
+            }
+            if guide.mirror != FirstMirror::NONE {
+                has_mirrors.store(true, Ordering::Relaxed);
             }
             let behind_medium = u32::from(guide.has_medium());
             let filtered = match guide.class {
@@ -119,12 +159,20 @@ impl SurfacePlanes {
         });
         let seen_normals = || Planes::new(grid, [0.0; 3], |index| guides[index].seen_normal.to_array());
         let alphas = || Planes::new(grid, [0.0], |index| [guides[index].reflected.alpha]);
+        let mirrors = || {
+            MirrorPlanes(Planes::new(grid, [0.0; 4], |index| {
+                let mirror = guides[index].mirror;
+                let [x, y, z] = mirror.normal().to_array();
+                [mirror.distance(), x, y, z]
+            }))
+        };
         Self {
             grid,
             pixel: frame.pixel,
             planes,
             seen_normals: has_glass.into_inner().then(seen_normals),
             alphas: has_layers.into_inner().then(alphas),
+            mirrors: has_mirrors.into_inner().then(mirrors),
             have_indirect_light: has_indirect_light.into_inner(),
         }
     }

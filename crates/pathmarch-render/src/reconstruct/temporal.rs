@@ -5,7 +5,7 @@ use super::planes::{Grid, Place, Planes, SQUARE_OF_3, box_sums, by_eight};
 use super::surfaces::{Points, SurfacePlanes, Vectors};
 use super::{PixelHistory, luminance, variance_without_facets};
 use crate::integrator::guides::Guide;
-use crate::intersect::ray::transposed;
+use crate::intersect::ray::{lanes, transposed};
 use crate::scene::FrameUniforms;
 use crate::scene::light::LUMINANCE_WEIGHTS;
 use crate::wgsl::shared_constants;
@@ -32,8 +32,8 @@ pub(super) struct PixelMean {
     pub(super) length: f32,
     /// Means of the luminance and of its square, over samples.
     pub(super) moments: [f32; 2],
-    /// Position of the pixel's point in the last picture, pixels of that picture from its top left corner; missing numbers where
-    /// it was hidden.
+    /// Position in the last picture of what is in the middle of the pixel, pixels of that picture from its top left corner; missing
+    /// numbers where it was hidden.
     pub(super) before: [f32; 2],
 }
 
@@ -329,6 +329,13 @@ pub(super) struct Positions {
     pub(super) mask: f32x8,
 }
 
+impl Positions {
+    #[inline(always)]
+    pub(super) fn moved(self, [x, y]: [f32x8; 2]) -> Self {
+        Self { x: self.x + x, y: self.y + y, ..self }
+    }
+}
+
 /// Pixels of a picture that are next to positions.
 pub(super) struct Tap {
     pub(super) indices: [usize; 8],
@@ -362,14 +369,16 @@ impl History {
     ) -> Self {
         let moves = past.is_some_and(|(past, _)| camera_moves(&past.frame, frame));
         let past = past.filter(|_| max_length > 0.0);
-        let (grid, longest) = (surfaces.grid, f32x8::splat(max_length));
+        let (grid, longest, projection) = (surfaces.grid, f32x8::splat(max_length), Projection::new(frame));
         let join = |place: Place| {
             let indices = place.indices(grid);
             let square = |index: usize, mean: f32| mean * mean + variance_without_facets(&guides[index], mean);
             let alone = Means::alone(&new, indices, square);
             let Some((past, earlier)) = past else { return alone.each() };
-            let sought = past.sought(&surfaces.points(place), earlier, indices, frame);
-            let found = past.find(&sought, &past.means);
+            let points = surfaces.points(place);
+            let sought = past.sought(&points, earlier, indices, frame);
+            let to_middle = past.offset_to_middle(&projection, place, points.position);
+            let found = past.find(&sought, to_middle, &past.means);
             let max_length = match moves {
                 true => {
                     let rough = surfaces
@@ -386,7 +395,7 @@ impl History {
         Self {
             frame: *frame,
             guides: guides.clone(),
-            projection: Projection::new(frame),
+            projection,
             means: by_eight(grid, join),
             points: by_eight(grid, |place| ShownPoints::of(surfaces, place, eye).each()),
         }
@@ -436,9 +445,20 @@ impl History {
         found & position.mask
     }
 
-    /// Means of points among those of the pixels, and their positions here, where this picture shows them.
-    pub(super) fn find(&self, sought: &SoughtPoints, means: &[PixelMean]) -> Found {
-        let position = self.projection.project_all(sought.position);
+    /// Offsets from points that the samples of eight pixels of another picture show to the middle of these pixels, in pixels of
+    /// this picture. A mean is that of its whole pixel: looked up where the last sample was, it would blur in every picture.
+    #[inline(always)]
+    pub(super) fn offset_to_middle(&self, other: &Projection, place: Place, points: Vectors) -> [f32x8; 2] {
+        let now = other.project_all(points);
+        let [column, row] = [lanes(|lane| (place.x() + lane) as f32), f32x8::splat(place.row as f32)];
+        let scale: [f32; 2] = std::array::from_fn(|k| self.projection.middle[k] / other.middle[k]);
+        [(column + 0.5 - now.x) * scale[0], (row + 0.5 - now.y) * scale[1]].map(|offset| now.mask & offset)
+    }
+
+    /// Means of the pixels that show points, and the positions here of what was in the middle of pixels, which have these offsets
+    /// from the points.
+    pub(super) fn find(&self, sought: &SoughtPoints, to_middle: [f32x8; 2], means: &[PixelMean]) -> Found {
+        let position = self.projection.project_all(sought.position).moved(to_middle);
         self.means_at(&position, means, |tap| {
             let points = ShownPoints::gathered(&self.points, tap.indices);
             // The mean of several surfaces is that of none.
@@ -677,6 +697,30 @@ mod tests {
         // Without shorter histories it is 0.36.
         assert!(share < 0.15, "{share}");
         assert_eq!(blurred(|_| 0.7), 0.0);
+    }
+
+    #[test]
+    fn means_at_rest_are_those_of_their_own_pixels() {
+        let mut past: Option<History> = None;
+        let irradiance: Vec<Vec3> = (0..1200).map(|index| Vec3::splat((index % 7) as f32)).collect();
+        for step in 0..6 {
+            let (frame, mut guides) = on_a_plane([1.0, 2.0, 6.0]);
+            // Samples are anywhere in their pixels.
+            for (index, guide) in guides.iter_mut().enumerate() {
+                let offset = [7 * step + index, 11 * step + 3 * index].map(|number| (number % 10) as f32 / 10.0 - 0.45);
+                let ray =
+                    central_ray(&frame, (index % 40) as f32 + 0.5 + offset[0], (index / 40) as f32 + 0.5 + offset[1]);
+                guide.length = -ray.origin.z / ray.direction.z;
+                guide.position = ray.origin + ray.direction * guide.length;
+            }
+            let earlier = EarlierPoints::default();
+            let last = past.as_ref().map(|history| (history, &earlier));
+            past = Some(history_of(&frame, guides, Samples { irradiance: &irradiance, count: 1.0 }, last, None));
+        }
+        for (mean, own) in past.expect("a picture").means.iter().zip(&irradiance) {
+            let error = (mean.irradiance - *own).length();
+            assert!(error < 1e-2 && mean.length > 2.9, "{error} after {} samples", mean.length);
+        }
     }
 
     #[test]

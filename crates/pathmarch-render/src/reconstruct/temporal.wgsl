@@ -38,7 +38,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let moved = earlier(guide, pixel);
-    let place = project_before(moved.position);
+    let place = project_before(moved.position) + offset_to_middle(position, guide.position);
     let found = mean_at(place, moved, coarser_pixel(guide), FINDS_POINT);
     if found.length <= 0.0 {
         return;

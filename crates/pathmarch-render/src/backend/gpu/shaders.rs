@@ -8,8 +8,8 @@ use super::encode;
 use super::loop_limit::SuspendedPath;
 use super::slice::{self, Slice};
 use crate::integrator::{
-    emitter_coverage, emitter_edges, guides, light_sampling, media_segment, medium, medium_light, participating_media,
-    path_reuse, path_state, reflected_light, shadow, splitting,
+    emitter_coverage, emitter_edges, first_mirror, guides, light_sampling, media_segment, medium, medium_light,
+    participating_media, path_reuse, path_state, reflected_light, shadow, splitting,
 };
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
@@ -70,6 +70,7 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/camera_emission",
     "integrator/camera_ray_index" shares splitting::shared_wgsl,
     "integrator/emitter_coverage" shares emitter_coverage::shared_wgsl,
+    "integrator/first_mirror" shares first_mirror::shared_wgsl,
     "integrator/guide" shares guides::shared_wgsl,
     "integrator/guides",
     "integrator/light_nodes_storage" shares declaration::<LightNode>,
