@@ -15,7 +15,7 @@ fn from_octahedral(flat: vec2f) -> vec3f {
 }
 
 /// Word of a mirror at a distance from the camera, with this normal.
-fn packed_mirror(distance: f32, normal: vec3f) -> u32 {
+fn packed_first_mirror(distance: f32, normal: vec3f) -> u32 {
     let most = f32((1u << NORMAL_BITS) - 1u);
     let numbers = vec2u((0.5 * octahedral(normal) + 0.5) * most + 0.5);
     let kept = (bitcast<u32>(distance) >> DISTANCE_SHIFT) << DISTANCE_SHIFT;
@@ -23,12 +23,12 @@ fn packed_mirror(distance: f32, normal: vec3f) -> u32 {
 }
 
 /// Distance of a mirror from the camera, metres; 0 without one.
-fn mirror_distance(mirror: u32) -> f32 {
+fn first_mirror_distance(mirror: u32) -> f32 {
     return bitcast<f32>(((mirror & ~MIRROR_BIT) >> DISTANCE_SHIFT) << DISTANCE_SHIFT);
 }
 
 /// Normal of a mirror.
-fn mirror_normal(mirror: u32) -> vec3f {
+fn first_mirror_normal(mirror: u32) -> vec3f {
     let most = (1u << NORMAL_BITS) - 1u;
     let numbers = vec2f(vec2u(mirror >> NORMAL_BITS, mirror) & vec2u(most));
     return from_octahedral(numbers / f32(most) * 2.0 - 1.0);

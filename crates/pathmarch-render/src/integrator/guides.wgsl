@@ -143,7 +143,7 @@ fn record_guide(
     let n = interaction.normal;
     if is_delta && !is_glass {
         if surface_index == 0u {
-            guide.mirror = packed_mirror(distance(interaction.p, guide_ray.origin), n);
+            guide.mirror = packed_first_mirror(distance(interaction.p, guide_ray.origin), n);
         }
         let reflection = mat3x3f(
             vec3f(1.0, 0.0, 0.0) - 2.0 * n.x * n,

@@ -75,14 +75,14 @@ fn length_of_part(guide: Guide) -> f32 {
 
 /// Distance of the first surface on the ray of a guide, which may be a mirror, from the camera, metres.
 fn front_distance(guide: Guide) -> f32 {
-    let distance = mirror_distance(guide.mirror);
+    let distance = first_mirror_distance(guide.mirror);
     return select(length_of_part(guide), distance, distance > 0.0);
 }
 
 /// True if one of two guides is that of a mirror and the other is not, or if they are of different faces of mirrors.
 fn mirrors_differ(a: Guide, b: Guide) -> bool {
-    let are_mirrors = vec2<bool>(mirror_distance(a.mirror) > 0.0, mirror_distance(b.mirror) > 0.0);
-    let turned = dot(mirror_normal(a.mirror), mirror_normal(b.mirror)) < MIN_MIRROR_COSINE;
+    let are_mirrors = vec2<bool>(first_mirror_distance(a.mirror) > 0.0, first_mirror_distance(b.mirror) > 0.0);
+    let turned = dot(first_mirror_normal(a.mirror), first_mirror_normal(b.mirror)) < MIN_MIRROR_COSINE;
     return are_mirrors.x != are_mirrors.y || (all(are_mirrors) && turned);
 }
 
@@ -160,7 +160,7 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
         nearest_pixel = front_pixel;
     }
     let before = earlier(nearest, nearest_pixel);
-    let distance_of_mirror = mirror_distance(nearest.mirror);
+    let distance_of_mirror = first_mirror_distance(nearest.mirror);
     let on_mirror =
         uniforms.position + (nearest.position - uniforms.position) * (distance_of_mirror / path_length(nearest));
     let old_position = project_before(select(before.position, on_mirror, is_outline && distance_of_mirror > 0.0));
