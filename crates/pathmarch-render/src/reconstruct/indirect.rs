@@ -15,6 +15,7 @@ use super::planes::Place;
 use super::spatial::Filtered;
 use super::surfaces::{SurfacePlanes, Vectors};
 use super::{direct_irradiance, luminance, settles, variance_without_facets};
+use crate::integrator::first_mirror::FirstMirror;
 use crate::integrator::guides::{Guide, GuideClass};
 use crate::integrator::medium_light::MEDIUM_ALPHA;
 use crate::integrator::reflected_light::ReflectedLight;
@@ -92,6 +93,8 @@ fn averaged(film: &FilmView, pixels: &[usize]) -> (Guide, Vec3) {
             ..ReflectedLight::NONE
         },
         indirect: Vec3::ZERO,
+        // Only anti-aliasing looks for their outlines, at the full resolution.
+        mirror: FirstMirror::NONE,
         ..*front
     };
     (guide, irradiance)
