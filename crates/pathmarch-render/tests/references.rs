@@ -6,7 +6,10 @@ use pathmarch_render::image::{self, Picture, PictureKind};
 use pathmarch_render::metrics::{compare, mean_colour, relmse};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings};
-use pathmarch_testing::{plain, tests};
+use pathmarch_testing::{are_tests_long, plain, tests};
+
+/// References that take long, for their fog: only long tests compare them with the established path tracer.
+const LONG: [&str; 2] = ["fog_point", "fog_area"];
 
 /// References: name, number of samples at which our noise is well below the limits, and limit of the relative difference of a
 /// block of 16 by 16 pixels.
@@ -45,7 +48,8 @@ const REFERENCES: [(&str, u32, f32); 24] = [
 fn pictures_agree_with_mitsuba() {
     let cpu = Renderer::open(Backend::Cpu, None).expect("the CPU backend");
     let mut wrong = Vec::new();
-    for (name, samples, limit) in REFERENCES {
+    let is_compared = |name: &str| !LONG.contains(&name) || are_tests_long();
+    for (name, samples, limit) in REFERENCES.into_iter().filter(|(name, ..)| is_compared(name)) {
         let scene = Scene::load(data(&format!("{name}.kdl"))).expect("a valid scene");
         let reference = image::load(&data(&format!("{name}.exr"))).expect("a picture").picture;
         let picture = render(&cpu, &scene, &Settings { samples, ..Settings::of(&scene) }).mean();

@@ -1,6 +1,6 @@
 //! Shape grids: scenes of many shapes, which are data of the kernel and not code, and what is code beside them.
 
-use crate::common::{on_each_backend, parse, render};
+use crate::common::{on_both_backends, on_each_backend, parse, render};
 use pathmarch_render::metrics::relmse;
 use pathmarch_render::pathmarch_field::Field;
 use pathmarch_render::pathmarch_scene::Scene;
@@ -79,15 +79,17 @@ fn without_grids(scene: &Scene) -> Scene {
     Scene { field: Field::with_shape_grids_from(&roots, usize::MAX), ..scene.clone() }
 }
 
-fn pictures_do_not_depend_on_shape_grids(renderer: &Renderer) {
+fn pictures_do_not_depend_on_shape_grids(renderers: &mut [Renderer; 2]) {
     for (scene, shapes_as_code) in some_of([(mixed_scene(), [5, 225]), (scene(), [1, 271])], 2) {
-        assert_eq!([&scene, &without_grids(&scene)].map(|scene| scene.field.shapes_as_code()), shapes_as_code);
+        let as_code = without_grids(&scene);
+        assert_eq!([&scene, &as_code].map(|scene| scene.field.shapes_as_code()), shapes_as_code);
         let settings = Settings { size: [128, 72], samples: 64, ..Settings::of(&scene) };
-        let cpu = Renderer::open(Backend::Cpu, None).expect("the CPU backend");
-        let reference = render(&cpu, &without_grids(&scene), &settings).mean();
-        let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("equal sizes");
-        println!("{}: relMSE {error:.6} to the same as code", renderer.backend().name);
-        assert!(error < 0.0005, "{}: {error}", renderer.backend().name);
+        let reference = render(&renderers[0], &as_code, &settings).mean();
+        for renderer in renderers.iter() {
+            let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("equal sizes");
+            println!("{}: relMSE {error:.6} to the same as code", renderer.backend().name);
+            assert!(error < 0.0005, "{}: {error}", renderer.backend().name);
+        }
     }
 }
 
@@ -104,8 +106,6 @@ fn previews_and_views_do_not_depend_on_shape_grids(renderer: &Renderer) {
 }
 
 tests! {
-    on_each_backend slow: [
-        pictures_do_not_depend_on_shape_grids,
-        previews_and_views_do_not_depend_on_shape_grids,
-    ],
+    on_both_backends slow: [pictures_do_not_depend_on_shape_grids],
+    on_each_backend slow: [previews_and_views_do_not_depend_on_shape_grids],
 }

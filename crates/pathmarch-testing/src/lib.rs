@@ -107,7 +107,12 @@ static LONG_TESTS: Requirement = Requirement {
 /// # }
 /// ```
 pub fn some_of<T>(cases: impl IntoIterator<Item = T>, step: usize) -> impl Iterator<Item = T> {
-    cases.into_iter().step_by(if is_set(LONG_TESTS.variable) { 1 } else { step })
+    cases.into_iter().step_by(if are_tests_long() { 1 } else { step })
+}
+
+/// True if `PATHMARCH_LONG_TESTS` is set, so that tests go through all of their cases.
+pub fn are_tests_long() -> bool {
+    is_set(LONG_TESTS.variable)
 }
 
 fn is_set(variable: &str) -> bool {
