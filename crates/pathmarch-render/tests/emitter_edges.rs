@@ -29,6 +29,11 @@ object "pane" material="glass" { box 0.5 0.7 0.04 { at 0.6 0.6 0.5 } }
 object "seen" material="lamp" { sphere 0.04 { at 0.6 0.6 0 } }
 "#;
 
+/// The lamps through a lens.
+fn through_lens(radius: f32, focus: u32) -> String {
+    LAMPS.replace("fov 45", &format!("fov 45; lens radius={radius} focus={focus}"))
+}
+
 fn settings(scene: &Scene, samples: u32, seed: u32, edges: bool) -> Settings {
     // Not a multiple of the tiles' size.
     Settings {
@@ -47,8 +52,7 @@ fn traces_edges(renderer: &Renderer, scene: &Scene, settings: &Settings) -> bool
 }
 
 fn pictures_are_the_same() {
-    let lens = LAMPS.replace("fov 45", "fov 45; lens radius=0.05 focus=3");
-    for text in some_of([&lens, LAMPS], 2) {
+    for text in some_of([&through_lens(0.25, 2), LAMPS, &through_lens(0.05, 3)], 3) {
         let scene = parse(text);
         let picture = |seed, edges| render(&cpu(), &scene, &settings(&scene, 2048, seed, edges)).mean();
         let reference = picture(1, false);
@@ -64,19 +68,24 @@ fn pictures_are_the_same() {
 
 fn edges_have_less_noise(renderer: &Renderer) {
     // Nothing but the lamps before a bright sky, so that all noise is at their edges.
-    let lines = LAMPS.lines().filter(|line| !["floor", "pane", "screen\" m"].iter().any(|name| line.contains(name)));
-    let scene = parse(&lines.collect::<Vec<_>>().join("\n"));
-    let picture = |samples, seed, edges| render(renderer, &scene, &settings(&scene, samples, seed, edges)).mean();
-    let reference = picture(512, 1, true);
-    let error = |picture: &Picture| relmse(picture, &reference).expect("equal sizes");
-    let (without, with) = (error(&picture(8, 2, false)), error(&picture(8, 3, true)));
-    assert!(with < 0.1 * without, "{with:.2e}, without {without:.2e}");
+    // Through the lens, without those that are seen from most of it.
+    for (text, hidden) in [(LAMPS, vec![]), (&through_lens(0.25, 2), vec!["strip", "ring"])] {
+        let hidden = [vec!["floor", "pane", "screen\" m"], hidden].concat();
+        let lines = text.lines().filter(|line| !hidden.iter().any(|name| line.contains(name)));
+        let scene = parse(&lines.collect::<Vec<_>>().join("\n"));
+        let picture = |samples, seed, edges| render(renderer, &scene, &settings(&scene, samples, seed, edges)).mean();
+        let reference = picture(512, 1, true);
+        let error = |picture: &Picture| relmse(picture, &reference).expect("equal sizes");
+        let (without, with) = (error(&picture(8, 2, false)), error(&picture(8, 3, true)));
+        println!("relMSE {with:.2e}, without {without:.2e}");
+        assert!(with < 0.1 * without, "{with:.2e}, without {without:.2e}");
+    }
 }
 
 fn both_backends_trace_the_same_rays(renderers: &mut [Renderer; 2]) {
     // Software adapters do not split where the field has loops, as that of a torus.
     let without_loops = LAMPS.replace("torus 0.15 0.02", "box 0.2 0.04 0.04");
-    for (text, splitting) in [(LAMPS, 1), (&without_loops, 1), (&without_loops, 3)] {
+    for (text, splitting) in [(LAMPS, 1), (&through_lens(0.25, 2), 1), (&without_loops, 1), (&without_loops, 3)] {
         let scene = parse(text);
         let settings = Settings { splitting: Some(splitting), ..settings(&scene, 24, 0, true) };
         let [cpu, gpu] = renderers.each_ref().map(|renderer| {

@@ -248,6 +248,18 @@ fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
         println!("lamps, frame {frame}: relMSE {error:.2e}");
         assert!(error < 1e-5, "{frame}: {error}");
     }
+    let lamps = Arc::new(parse(LAMPS_OUT_OF_FOCUS));
+    for frame in 11..15 {
+        let x = 0.02 * frame.min(13) as f32;
+        // At rest, a film of several samples.
+        let settings = settings(&lamps, moved(&lamps, x), if frame == 14 { 9 } else { 1 }, frame);
+        let size = if frame == 13 { [150, 96] } else { SIZE };
+        let [a, b] =
+            sequences.each_mut().map(|sequence| sequence.render_upscaled(&lamps, &settings, size).expect("a picture"));
+        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        println!("lamps out of focus, frame {frame}: relMSE {error:.2e}");
+        assert!(error < 1e-5, "{frame}: {error}");
+    }
     // A lens, focused in front of everything.
     let scene = &balls[3];
     for frame in 0..3 {
@@ -399,6 +411,34 @@ fn lamps_have_clean_edges_while_the_camera_moves() {
     assert!(errors[0] < 0.3 * errors[1], "{errors:?}");
 }
 
+/// Small lamps far out of focus, of which two overlap, one is hidden in part, and one is before the focus.
+const LAMPS_OUT_OF_FOCUS: &str = "pathmarch 1\ncamera { position 0 1 4; target 0 1 0; fov 40; lens radius=0.15 focus=4 }\n\
+    render { bounces 2 }\nsky 0.05\nmaterial \"wall\" { diffuse 0.5 }\nmaterial \"white\" { emit 90 }\n\
+    material \"red\" { emit 60 8 5 }\nmaterial \"blue\" { emit 5 8 40 }\n\
+    object \"wall\" material=\"wall\" { rect 60 { normal 0 0 1; at 0 1 -9 } }\n\
+    object \"ball\" material=\"wall\" { sphere 0.3 { at -0.7 0.9 0 } }\n\
+    object \"a\" material=\"white\" { sphere 0.08 { at 1 1.6 -7 } }\n\
+    object \"b\" material=\"red\" { sphere 0.06 { at 1.2 1.5 -6 } }\n\
+    object \"c\" material=\"red\" { box 0.1 0.1 0.05 { at -1.2 1.2 -5 } }\n\
+    object \"d\" material=\"blue\" { sphere 0.02 { at 0.1 0.8 1.5 } }";
+
+fn lamps_out_of_focus_are_discs_while_the_camera_moves() {
+    let scene = Arc::new(parse(LAMPS_OUT_OF_FOCUS));
+    let settings = Settings { emitter_edges: Some(true), ..settings(&scene, moved(&scene, 0.2), 512, 12345) };
+    let reference = cpu().render(&scene, &settings).expect("a film").mean();
+    let [error, without] = [true, false].map(|emitter_edges| {
+        let mut sequence = Sequence::new(&cpu(), ReconstructOptions { emitter_edges, ..ReconstructOptions::default() });
+        let render = |frame: u32| next(&mut sequence, &scene, moved(&scene, 0.02 * frame as f32), frame).reconstructed;
+        let pictures: Vec<Picture> = (0..11).map(render).collect();
+        let error = relmse(&pictures[10], &reference).expect("finite");
+        let energy = pictures[5..].iter().map(mean).sum::<f64>() / (6.0 * mean(&reference));
+        println!("edges {emitter_edges}: relMSE {error:.4}, energy {energy:.4}");
+        assert!(!emitter_edges || (energy - 1.0).abs() < 0.02, "{energy}");
+        error
+    });
+    assert!(error < 0.3 * without, "{error}, without edges {without}");
+}
+
 /// The room, with a ball of this radius.
 fn room_with_ball(radius: f32) -> Arc<Scene> {
     Arc::new(parse(&ROOM.replace("sphere 0.4 {", &format!("sphere {radius} {{"))))
@@ -509,6 +549,7 @@ tests! {
         reflections_stay_where_they_are_while_the_camera_moves,
         light_in_fog_stays_where_it_is_while_the_camera_moves,
         lamps_have_clean_edges_while_the_camera_moves,
+        lamps_out_of_focus_are_discs_while_the_camera_moves,
         light_that_is_switched_off_fades_at_once,
         a_still_picture_of_many_samples_is_not_altered,
     ],

@@ -1,7 +1,6 @@
 //! CPU backend: tiles on all cores, eight rays in SIMD lanes. It needs no driver or adapter and is always available.
 
 use super::RenderInput;
-use crate::integrator::emitter_edges;
 use crate::integrator::guides::{FILM_SAMPLES, Guide};
 use crate::integrator::splitting;
 use crate::mode::{Mode, uncertainty_of};
@@ -199,8 +198,9 @@ impl CpuJob {
             } else {
                 self.input.samples_of(&ctx, &pixels, sample, begun)
             };
-            let edges = self.input.edges.as_ref().map_or(Vec::new(), |edges| edges.within(tile.columns(), tile.rows()));
-            let corrections = emitter_edges::corrections(&ctx, &edges, sample, begun);
+            let edges = self.input.edges.as_ref();
+            let at_edges = edges.map_or(Vec::new(), |edges| edges.within(tile.columns(), tile.rows()));
+            let corrections = edges.map_or(Vec::new(), |edges| edges.corrections(&ctx, &at_edges, sample, begun));
             let mut rejected = Vec::new();
             let mut sums = sums[row as usize].lock().unwrap_or_else(PoisonError::into_inner);
             for (&pixel, values) in pixels.iter().zip(values.chunks(begun as usize)) {
@@ -212,7 +212,7 @@ impl CpuJob {
                     }
                 }
             }
-            for (pixel, correction) in edges.into_iter().zip(corrections) {
+            for (pixel, correction) in at_edges.into_iter().zip(corrections) {
                 add_to(&mut sums[position(pixel)], correction);
             }
             rejected

@@ -43,7 +43,11 @@ pub(super) fn camera_rays_in_lanes(frame: &FrameUniforms, pixels: &[(u32, u32)],
 /// Origin and direction of the camera ray through a position in the picture, in pixels from its top left corner, and a random
 /// point of the lens.
 #[inline(always)]
-fn camera_ray<N: Real>(frame: &FrameUniforms, [x, y]: [N; 2], [u, v]: [N; 2]) -> (FieldVec3<N>, FieldVec3<N>) {
+pub(super) fn camera_ray<N: Real>(
+    frame: &FrameUniforms,
+    [x, y]: [N; 2],
+    [u, v]: [N; 2],
+) -> (FieldVec3<N>, FieldVec3<N>) {
     let [position, right, up, forward] =
         [frame.position, frame.right, frame.up, frame.forward].map(FieldVec3::<N>::constant);
     let across = N::constant(2.0) * x / N::constant(frame.width as f32) - N::one();

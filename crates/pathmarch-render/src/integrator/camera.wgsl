@@ -15,18 +15,23 @@ fn central_point(ray: Ray, p: vec3f) -> vec3f {
     return frame.position + (in_focus - frame.position) * (dot(p - frame.position, frame.forward) / frame.focus);
 }
 
-/// Camera ray of a sample of a pixel of a picture of this size.
-fn camera_ray_of(pixel: vec2u, size: vec2u, sampler: PixelSampler) -> Ray {
+/// Vector from the centre of the lens to a sample of a pixel of a picture of this size; its depth is 1.
+fn view_vector(pixel: vec2u, size: vec2u, sampler: PixelSampler) -> vec3f {
     let pixel_offset = sample_2d(sampler, PAIR_PIXEL);
     let across = 2.0 * (f32(pixel.x) + pixel_offset.x) / f32(size.x) - 1.0;
     let up = 1.0 - 2.0 * (f32(pixel.y) + pixel_offset.y) / f32(size.y);
-    let view_vector = frame.forward + frame.right * across + frame.up * up;
+    return frame.forward + frame.right * across + frame.up * up;
+}
+
+/// Camera ray of a sample of a pixel of a picture of this size.
+fn camera_ray_of(pixel: vec2u, size: vec2u, sampler: PixelSampler) -> Ray {
+    let towards = view_vector(pixel, size, sampler);
     if frame.lens_radius == 0.0 {
-        return Ray(frame.position, normalize(view_vector));
+        return Ray(frame.position, normalize(towards));
     }
     let u = sample_2d(sampler, PAIR_LENS);
     let radius = frame.lens_radius * sqrt(u.x);
     let disc_point = radius * unit_circle(u.y);
     let offset = normalize(frame.right) * disc_point.x + normalize(frame.up) * disc_point.y;
-    return Ray(frame.position + offset, normalize(view_vector * frame.focus - offset));
+    return Ray(frame.position + offset, normalize(towards * frame.focus - offset));
 }

@@ -7,7 +7,8 @@
 //! expected value is zero, so any pixels may have it.
 //!
 //! **Pixels.** Those within the bounds of an emitter, unless a few camera rays through them and their neighbours all
-//! find the same emission; and all that an emitter of a few pixels or less may cover.
+//! find the same emission; and all that an emitter of a few pixels or less, or one far [out of focus](super::lens_targets),
+//! may cover.
 //!
 //! **Source.** More primary than secondary rays, where they cause the variance: Arvo and Kirk 1990, "Particle Transport
 //! and Image Synthesis", section 5.
@@ -16,13 +17,14 @@
 //! tenth of the relMSE (docs/performance.md).
 
 use super::camera::{camera_rays, pixel_sampler};
+use super::lens_targets::{Disc, FurtherRay, LensTargets};
 use super::path::{self, SeenEmission};
 use super::splitting::camera_ray_index;
 use crate::intersect::ray::Ray;
-use crate::sampling::sobol::{PixelSampler, hash};
+use crate::sampling::sobol::{PixelSampler, hash, pair};
 use crate::scene::{FrameUniforms, TraceContext};
 use crate::wgsl::shared_constants;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -39,8 +41,6 @@ shared_constants! {
 const PROBE_RAYS: u32 = 4;
 /// Largest radius of an emitter whose pixels all count as edges, pixels.
 const SMALL_RADIUS: f32 = 1.5;
-/// Distance from an emitter's bounds within which pixels may be at its edge, pixels.
-const MARGIN: f32 = 1.0;
 
 /// Smallest number of samples, summed over the pixels, of a picture in which edges are found.
 const MIN_SAMPLES: f64 = 1e6;
@@ -56,6 +56,7 @@ pub(crate) struct EmitterEdges {
     width: u32,
     /// Indices of the pixels, row by row, in ascending order.
     pixels: Vec<u32>,
+    targets: LensTargets,
 }
 
 /// What is known of a pixel before rays are traced through it.
@@ -65,7 +66,7 @@ enum Place {
     Outside,
     /// Within the bounds of an emitter.
     Near,
-    /// Within those of a small one.
+    /// Within those of a small one, or one far out of focus.
     Edge,
 }
 
@@ -74,9 +75,15 @@ impl EmitterEdges {
     pub(crate) fn new(ctx: &TraceContext) -> Option<Self> {
         let [width, height] = ctx.frame.size();
         let mut places = vec![Place::Outside; width as usize * height as usize];
-        for (centre, radius) in ctx.scene.lights.iter().filter_map(|light| light.shape.emitting_bounds()) {
-            mark(ctx.frame, centre, radius, &mut places);
+        let mut mark = |disc: Disc, place: Place| {
+            disc.visit([width, height], |pixel| places[pixel] = place.max(places[pixel]));
+        };
+        let bounds = ctx.scene.lights.iter().filter_map(|light| light.shape.emitting_bounds());
+        for disc in bounds.filter_map(|(centre, radius)| Disc::new(ctx.frame, centre, radius)) {
+            mark(disc, if disc.radius <= SMALL_RADIUS { Place::Edge } else { Place::Near });
         }
+        let targets = LensTargets::new(ctx);
+        targets.discs().for_each(|disc| mark(disc, Place::Edge));
         if places.iter().all(|&place| place == Place::Outside) {
             return None;
         }
@@ -93,13 +100,13 @@ impl EmitterEdges {
             Place::Edge => true,
         };
         let pixels: Vec<u32> = (0..places.len() as u32).into_par_iter().filter(is_edge).collect();
-        (!pixels.is_empty()).then_some(Self { width, pixels })
+        (!pixels.is_empty()).then_some(Self { width, pixels, targets })
     }
 
     /// These pixels of a picture of this width, in ascending order.
     #[cfg(test)]
     pub(crate) fn at(width: u32, pixels: Vec<u32>) -> Self {
-        Self { width, pixels }
+        Self { width, pixels, targets: LensTargets::default() }
     }
 
     /// True if a pixel is among them.
@@ -127,53 +134,30 @@ impl EmitterEdges {
         rows.flat_map(of_row).collect()
     }
 
+    /// What is added to the sum of the `samples` samples of each of these pixels that share the camera ray of sample `first`.
+    pub(crate) fn corrections(&self, ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
+        if pixels.is_empty() {
+            return Vec::new();
+        }
+        let ray = camera_ray_index(first, ctx.config.splitting);
+        let own = emission(ctx, pixels, ray..ray + 1);
+        let further = seen_by_further_rays(ctx, &self.targets, pixels, ray.wrapping_mul(RAYS_PER_EDGE), EDGE_RAYS);
+        let mean = |seen: &[Seen]| {
+            seen.iter().map(|seen| seen.emission.radiance * seen.weight).sum::<Vec3>() / EDGE_RAYS as f32
+        };
+        let means = further.chunks(EDGE_RAYS as usize).map(mean);
+        let difference = |(mean, own): (Vec3, Vec3)| {
+            let difference = samples as f32 * (mean - own);
+            // The film rejects samples that are not finite.
+            if difference.is_finite() { difference } else { Vec3::ZERO }
+        };
+        means.zip(own).map(difference).collect()
+    }
+
     /// Places of the pixels with these indices.
     fn between(&self, start: u32, end: u32) -> Range<usize> {
         let first = |index: u32| self.pixels.partition_point(|&pixel| pixel < index);
         first(start)..first(end)
-    }
-}
-
-/// Marks the pixels that an emitter within a sphere may cover.
-fn mark(frame: &FrameUniforms, centre: Vec3, radius: f32, places: &mut [Place]) {
-    let [width, height] = frame.size();
-    let [position, forward, right, up] = [frame.position, frame.forward, frame.right, frame.up].map(Vec3::from);
-    let offset = centre - position;
-    let depth = offset.dot(forward);
-    let nearest = depth - radius;
-    if depth <= -radius {
-        return;
-    }
-    let half_size = 0.5 * Vec2::new(width as f32, height as f32);
-    let (at, reach) = if nearest > 0.0 {
-        let across =
-            Vec2::new(offset.dot(right) / right.length_squared(), offset.dot(up) / up.length_squared()) / depth;
-        // The outline is an ellipse, which is longer the farther it is from the axis.
-        let stretch = offset.length_squared() / (depth * depth);
-        let blur = frame.lens_radius * (1.0 / frame.focus - 1.0 / depth).abs();
-        let pixels_at_distance_one = half_size.y / up.length();
-        (
-            half_size * (1.0 + across * Vec2::new(1.0, -1.0)),
-            (radius / nearest * stretch + blur) * pixels_at_distance_one,
-        )
-    } else {
-        // The camera may be inside.
-        (half_size, f32::INFINITY)
-    };
-    let place = if reach <= SMALL_RADIUS { Place::Edge } else { Place::Near };
-    let reach = reach + MARGIN;
-    let range = |at: f32, length: u32| {
-        let end = (at + reach).ceil().clamp(0.0, length as f32) as u32;
-        (at - reach).floor().clamp(0.0, end as f32) as u32..end
-    };
-    for y in range(at.y, height) {
-        for x in range(at.x, width) {
-            let centre = Vec2::new(x as f32, y as f32) + 0.5;
-            if centre.distance(at) <= reach {
-                let known = &mut places[(y * width + x) as usize];
-                *known = place.max(*known);
-            }
-        }
     }
 }
 
@@ -208,48 +192,49 @@ fn probe(ctx: &TraceContext, places: &[Place]) -> Vec<u32> {
 
 /// Emission along these camera rays through each of these pixels, pixel by pixel.
 fn emission(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<Vec3> {
-    seen_emission(ctx, pixels, indices).into_iter().map(|seen| seen.radiance).collect()
+    let (pixels, samplers) = samplers(ctx, pixels, indices);
+    let rays: Vec<Ray> = camera_rays(ctx.frame, &pixels, &samplers);
+    path::emission_along(ctx, rays.into_iter().zip(samplers)).into_iter().map(|seen| seen.radiance).collect()
+}
+
+/// Random numbers of these camera rays through each of these pixels, pixel by pixel, and the pixel of each.
+fn samplers(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> (Vec<(u32, u32)>, Vec<PixelSampler>) {
+    let of_pixel = |&(x, y): &(u32, u32)| {
+        let sampler = move |index: u32| pixel_sampler(ctx, x, y, index);
+        indices.clone().map(move |index| ((x, y), sampler(index)))
+    };
+    pixels.iter().flat_map(of_pixel).unzip()
+}
+
+/// What a further camera ray sees.
+pub(super) struct Seen {
+    pub(super) emission: SeenEmission,
+    /// Weight of the emission in the mean over the rays of the pixel.
+    pub(super) weight: f32,
 }
 
 /// What `count` camera rays through each of these pixels see, pixel by pixel, whose random numbers are not those of its
 /// samples.
 pub(super) fn seen_by_further_rays(
     ctx: &TraceContext,
+    targets: &LensTargets,
     pixels: &[(u32, u32)],
     first: u32,
     count: u32,
-) -> Vec<SeenEmission> {
+) -> Vec<Seen> {
     let frame = FrameUniforms { seed: hash(!ctx.frame.seed), ..*ctx.frame };
-    seen_emission(&TraceContext { frame: &frame, ..*ctx }, pixels, first..first + count)
-}
-
-/// What these camera rays through each of these pixels see, pixel by pixel.
-fn seen_emission(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<SeenEmission> {
-    let of_pixel = |&(x, y): &(u32, u32)| {
-        let sampler = move |index: u32| pixel_sampler(ctx, x, y, index);
-        indices.clone().map(move |index| ((x, y), sampler(index)))
+    let ctx = &TraceContext { frame: &frame, ..*ctx };
+    let (pixels, samplers) = samplers(ctx, pixels, first..first + count);
+    let in_pixels = PixelSampler::samples_2d(&samplers, pair::PAIR_PIXEL);
+    let on_lens = PixelSampler::samples_2d(&samplers, pair::PAIR_LENS);
+    let numbers = pixels.into_iter().zip(in_pixels.into_iter().zip(on_lens));
+    let ray = |(index, ((x, y), (offset, random))): (u32, ((u32, u32), ([f32; 2], [f32; 2])))| {
+        let position = [x as f32 + offset[0], y as f32 + offset[1]];
+        targets.ray(&frame, position, random, FurtherRay { index: index % count, count })
     };
-    let (pixels, samplers): (Vec<(u32, u32)>, Vec<PixelSampler>) = pixels.iter().flat_map(of_pixel).unzip();
-    let rays: Vec<Ray> = camera_rays(ctx.frame, &pixels, &samplers);
-    path::emission_along(ctx, rays.into_iter().zip(samplers))
-}
-
-/// What is added to the sum of the `samples` samples of each of these pixels that share the camera ray of sample `first`.
-pub(crate) fn corrections(ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
-    if pixels.is_empty() {
-        return Vec::new();
-    }
-    let ray = camera_ray_index(first, ctx.config.splitting);
-    let own = emission(ctx, pixels, ray..ray + 1);
-    let further = seen_by_further_rays(ctx, pixels, ray.wrapping_mul(RAYS_PER_EDGE), EDGE_RAYS);
-    let mean = |seen: &[SeenEmission]| seen.iter().map(|seen| seen.radiance).sum::<Vec3>() / EDGE_RAYS as f32;
-    let means = further.chunks(EDGE_RAYS as usize).map(mean);
-    let difference = |(mean, own): (Vec3, Vec3)| {
-        let difference = samples as f32 * (mean - own);
-        // The film rejects samples that are not finite.
-        if difference.is_finite() { difference } else { Vec3::ZERO }
-    };
-    means.zip(own).map(difference).collect()
+    let (rays, weights): (Vec<Ray>, Vec<f32>) = (0..).zip(numbers).map(ray).unzip();
+    let seen = path::emission_along(ctx, rays.into_iter().zip(samplers));
+    seen.into_iter().zip(weights).map(|(emission, weight)| Seen { emission, weight }).collect()
 }
 
 #[cfg(test)]
@@ -257,6 +242,7 @@ mod tests {
     use super::*;
     use crate::backend::RenderInput;
     use crate::settings::Settings;
+    use glam::Vec2;
     use pathmarch_scene::Scene;
 
     /// Edges in a picture of 64x48 pixels, at a distance of 8 metres 8 pixels a metre, of the scene with these objects.

@@ -9,6 +9,7 @@ pub(crate) mod emitter_coverage;
 pub(crate) mod emitter_edges;
 pub(crate) mod first_mirror;
 pub(crate) mod guides;
+pub(crate) mod lens_targets;
 pub(crate) mod light_sampling;
 mod light_sampling_lanes;
 pub(crate) mod media_segment;

@@ -178,7 +178,7 @@ impl CpuReconstruction {
             None => rest.map(|(_, colour)| colour).collect(),
         };
         let picture = match settles(samples) && frame.size() == size {
-            true => mixed_with_film(film, &picture),
+            true => mixed_with_film(film, &picture, emitters.as_ref()),
             false => picture,
         };
         clock.ends("mix with the film");
@@ -238,8 +238,9 @@ fn unbiased_weight([square, variance, count]: [f32; 3], own_variance: f32) -> f3
     (1.0 - variance / f32::max(square, 1e-12)).max(0.0)
 }
 
-/// Mixes a picture with the means of its film, each pixel by the noise of the film and the error of the picture.
-fn mixed_with_film(film: &FilmView, picture: &[Vec3]) -> Vec<Vec3> {
+/// Mixes a picture with the means of its film, each pixel by the noise of the film and the error of the picture. Discs of emitters
+/// out of focus have less noise than the film.
+fn mixed_with_film(film: &FilmView, picture: &[Vec3], emitters: Option<&EmitterLayer>) -> Vec<Vec3> {
     let size = film.input.frame.size();
     let differences = box_sums(size, BIAS_RADIUS, |index| film_difference(film, picture, index));
     let mixed = |index: usize| {
@@ -248,6 +249,7 @@ fn mixed_with_film(film: &FilmView, picture: &[Vec3]) -> Vec<Vec3> {
         let variance = film_variance(guide, irradiance, film.samples as f32);
         let settled = settled_weight(guide, [irradiance, variance], film.samples as f32);
         let settled = match guide.is_mixed {
+            _ if emitters.is_some_and(|emitters| emitters.is_out_of_focus(index)) => 0.0,
             true => settled,
             false => settled.max(unbiased_weight(differences.at(index), variance)),
         };

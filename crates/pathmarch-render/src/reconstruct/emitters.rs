@@ -3,7 +3,8 @@
 //! **Idea.** A lamp is hundreds of times brighter than what is beside it. Where its edge is averaged with earlier pictures,
 //! it grows by the blur of their interpolation, and its light stays where the lamp has been. But it has no noise, and
 //! camera rays alone tell which share of a pixel it covers. So edges of emitters get a few camera rays of their own in
-//! every picture, and the rest of the picture is reconstructed without emitters, which are laid over it at the end.
+//! every picture, and the rest of the picture is reconstructed without emitters, which are laid over it at the end. Discs of
+//! emitters far out of focus are edges all over; there half of the rays [aim](crate::integrator::lens_targets) at them.
 //!
 //! **Limits.** An emitter of which neighbouring pixels show but one sample is too small to be found in every picture; it
 //! stays in the rest. Emitters in mirrors and behind glass are parts of the rest, too.
@@ -11,9 +12,10 @@
 use super::film_view::FilmView;
 use super::planes::Grid;
 use crate::integrator::emitter_coverage::{
-    Coverage, EmitterPlace, FULL_COVERAGE, MIN_EMITTER_SAMPLES, coverages, emitter_place,
+    Coverage, EmitterPlace, FULL_COVERAGE, LEAST_COVERAGE, LEAST_REST, MIN_EMITTER_SAMPLES, coverages, emitter_place,
 };
 use crate::integrator::guides::Guide;
+use crate::integrator::lens_targets::LensTargets;
 use crate::scene::{FrameUniforms, TraceContext};
 use glam::{Vec3, Vec4Swizzles};
 use rayon::prelude::*;
@@ -24,6 +26,8 @@ pub(super) struct EmitterLayer {
     size: [u32; 2],
     samples: [u32; 2],
     map: EmitterMap,
+    /// Places of the samples.
+    places: Vec<EmitterPlace>,
     coverages: Vec<Coverage>,
 }
 
@@ -42,12 +46,12 @@ const EMITTER: u8 = 1;
 const MIXED: u8 = 2;
 
 impl EmitterMap {
-    /// Map of a film; `None` if it shows no emitters.
-    fn new(size: [u32; 2], guides: &[Guide]) -> Option<Self> {
+    /// Map of a film; `None` if it shows no emitters, unless it may show some that are `out_of_focus`.
+    fn new(size: [u32; 2], guides: &[Guide], out_of_focus: &LensTargets) -> Option<Self> {
         let of = |guide: &Guide| u8::from(guide.is_seen_emitter()) * EMITTER + u8::from(guide.is_mixed) * MIXED;
         let shown: Vec<u8> = guides.par_iter().with_min_len(4096).map(of).collect();
         let emitters: Vec<u8> = shown.iter().map(|shown| shown & EMITTER).collect();
-        if emitters.iter().all(|emitter| *emitter == 0) {
+        if out_of_focus.is_empty() && emitters.iter().all(|emitter| *emitter == 0) {
             return None;
         }
         let width = size[0] as usize;
@@ -80,51 +84,92 @@ fn square(grid: Grid, index: usize) -> impl Iterator<Item = usize> {
 }
 
 impl EmitterLayer {
-    /// Emitters that the samples of a film show, in a picture of this size; `None` if there are none.
+    /// Emitters that a film may show, in a picture of this size; `None` if there are none.
     pub(super) fn new(ctx: &TraceContext, guides: &[Guide], size: [u32; 2], sample: u32) -> Option<Self> {
-        let samples = ctx.frame.size();
-        let map = EmitterMap::new(samples, guides).filter(|_| !ctx.config.media)?;
+        if ctx.config.media {
+            return None;
+        }
+        let (samples, targets) = (ctx.frame.size(), LensTargets::new(ctx));
+        let map = EmitterMap::new(samples, guides, &targets)?;
         let place = |index: usize| match map.emitters_around(index) {
             ..MIN_EMITTER_SAMPLES => EmitterPlace::Outside,
             _ => emitter_place(&guides[index], square(map.grid, index).map(|there| &guides[there])),
         };
-        let places: Vec<EmitterPlace> = (0..guides.len()).into_par_iter().with_min_len(4096).map(place).collect();
+        let mut places: Vec<EmitterPlace> = (0..guides.len()).into_par_iter().with_min_len(4096).map(place).collect();
+        for disc in targets.discs() {
+            disc.visit(samples, |index| {
+                if places[index] != EmitterPlace::Within {
+                    places[index] = EmitterPlace::OutOfFocus;
+                }
+            });
+        }
         let frame = FrameUniforms { width: size[0], height: size[1], ..*ctx.frame };
         let ctx = TraceContext { frame: &frame, ..*ctx };
+        let targets = LensTargets::new(&ctx);
         let of_row = |y: u32| {
             let place = |x: u32| places[sample_at([x, y], size, samples)];
-            let edges: Vec<(u32, u32)> =
-                (0..size[0]).filter(|&x| place(x) == EmitterPlace::Edge).map(|x| (x, y)).collect();
-            let mut at_edges = coverages(&ctx, &edges, sample).into_iter();
+            let has_rays = |x: &u32| matches!(place(*x), EmitterPlace::Edge | EmitterPlace::OutOfFocus);
+            let edges: Vec<(u32, u32)> = (0..size[0]).filter(has_rays).map(|x| (x, y)).collect();
+            let mut at_edges = coverages(&ctx, &targets, &edges, sample).into_iter();
             let coverage = move |x: u32| match place(x) {
                 EmitterPlace::Outside => Coverage::ZERO,
                 EmitterPlace::Edge => at_edges.next().unwrap_or_default(),
+                EmitterPlace::OutOfFocus => {
+                    let coverage = at_edges.next().unwrap_or_default();
+                    coverage.with_w(-coverage.w.max(LEAST_COVERAGE))
+                }
                 EmitterPlace::Within => Coverage::W * FULL_COVERAGE,
             };
             (0..size[0]).map(coverage).collect::<Vec<_>>()
         };
         let rows: Vec<Vec<Coverage>> = (0..size[1]).into_par_iter().map(of_row).collect();
-        Some(Self { size, samples, map, coverages: rows.concat() })
+        Some(Self { size, samples, map, places, coverages: rows.concat() })
+    }
+
+    /// Coverage of the pixel in the middle of a sample's.
+    fn coverage_of_sample(&self, index: usize) -> Coverage {
+        let sample = [index as u32 % self.samples[0], index as u32 / self.samples[0]];
+        let [x, y]: [u32; 2] = std::array::from_fn(|k| {
+            let factor = self.size[k] as f32 / self.samples[k] as f32;
+            (((sample[k] as f32 + 0.5) * factor) as u32).min(self.size[k] - 1)
+        });
+        self.coverages[(y * self.size[0] + x) as usize]
     }
 
     /// Colours of samples without emitters: a pixel that shows one has the mean of those around it that show none.
     pub(super) fn without_emitters(&self, colours: &[Vec3]) -> Vec<Vec3> {
         let EmitterMap { grid, ref shown, .. } = self.map;
         let colour = |index: usize| {
-            if shown[index] == 0 || self.map.emitters_around(index) < MIN_EMITTER_SAMPLES {
+            if shown[index] == 0 || self.places[index] == EmitterPlace::Outside {
                 return colours[index];
             }
             let (mut sum, mut count) = (Vec3::ZERO, 0.0);
             for there in square(grid, index).filter(|&there| shown[there] == 0) {
                 (sum, count) = (sum + colours[there], count + 1.0);
             }
-            match count > 0.0 {
-                true => sum / count,
-                false if shown[index] & EMITTER != 0 => Vec3::ZERO,
-                false => colours[index],
+            if count > 0.0 {
+                return sum / count;
             }
+            if shown[index] == EMITTER {
+                return Vec3::ZERO;
+            }
+            // Among pixels that all show several surfaces, what is left without the emitters.
+            let (mut left, mut rest) = (Vec3::ZERO, 0.0);
+            for there in square(grid, index) {
+                let coverage = self.coverage_of_sample(there);
+                if coverage.w != FULL_COVERAGE {
+                    left += colours[there] - coverage.xyz();
+                    rest += (1.0 - coverage.w.abs()).max(LEAST_REST);
+                }
+            }
+            left.max(Vec3::ZERO) / f32::max(rest, LEAST_REST)
         };
         (0..colours.len()).into_par_iter().with_min_len(4096).map(colour).collect()
+    }
+
+    /// True if an emitter far out of focus may be seen at this pixel.
+    pub(super) fn is_out_of_focus(&self, index: usize) -> bool {
+        self.coverages[index].w < 0.0
     }
 
     /// A colour of the rest of the picture at this pixel, with the emitters in front of it.
@@ -134,7 +179,7 @@ impl EmitterLayer {
             let [x, y] = [index as u32 % self.size[0], index as u32 / self.size[0]];
             return film.means[sample_at([x, y], self.size, self.samples)];
         }
-        colour * (1.0 - coverage.w) + coverage.xyz()
+        colour * (1.0 - coverage.w.abs()).max(0.0) + coverage.xyz()
     }
 }
 

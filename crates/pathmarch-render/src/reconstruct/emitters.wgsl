@@ -9,6 +9,14 @@ fn sample_at(pixel: u32, guide: Guide) -> vec3f {
     return base[pixel].xyz * divisor(guide) + estimates[pixel].xyz * reflection_divisor(guide);
 }
 
+/// Coverage of the pixel in the middle of a sample's.
+fn coverage_at(position: vec2i) -> vec4f {
+    let size = vec2u(uniforms.shown_width, uniforms.shown_height);
+    let factor = vec2f(size) / vec2f(f32(uniforms.width), f32(uniforms.height));
+    let shown = min(vec2u((vec2f(position) + 0.5) * factor), size - 1u);
+    return coverages[shown.y * size.x + shown.x];
+}
+
 /// Radiance of each pixel; of one that shows an emitter, the mean of those around it that show none.
 @compute @workgroup_size(8, 8)
 fn remove_emitters(@builtin(global_invocation_id) id: vec3u) {
@@ -23,23 +31,30 @@ fn remove_emitters(@builtin(global_invocation_id) id: vec3u) {
     if uniforms.has_emitters == 0u || !(is_seen_emitter(here) || here.is_mixed) {
         return;
     }
-    var emitters = 0u;
+    if coverage_at(position).w == 0.0 {
+        return;
+    }
     var sum = vec3f(0.0);
     var count = 0.0;
+    // What is left of all pixels without the emitters, and its share in them.
+    var left = vec3f(0.0);
+    var rest = 0.0;
     for (var k = 0; k < 9; k++) {
         let place = position + vec2i(k % 3 - 1, k / 3 - 1);
         if is_inside(place) {
             let guide = guide_at(pixel_index(place));
-            if is_seen_emitter(guide) {
-                emitters++;
-            } else if !guide.is_mixed {
-                sum += sample_at(pixel_index(place), guide);
+            let there = sample_at(pixel_index(place), guide);
+            if !is_seen_emitter(guide) && !guide.is_mixed {
+                sum += there;
                 count += 1.0;
+            }
+            let coverage = coverage_at(place);
+            if coverage.w != FULL_COVERAGE {
+                left += there - coverage.xyz;
+                rest += max(1.0 - abs(coverage.w), LEAST_REST);
             }
         }
     }
-    if emitters >= MIN_EMITTER_SAMPLES {
-        let rest = select(colour, vec3f(0.0), is_seen_emitter(here));
-        next_estimates[pixel] = vec4f(select(rest, sum / max(count, 1.0), count > 0.0), 0.0);
-    }
+    let without = select(max(left, vec3f(0.0)) / max(rest, LEAST_REST), vec3f(0.0), is_seen_emitter(here) && !here.is_mixed);
+    next_estimates[pixel] = vec4f(select(without, sum / max(count, 1.0), count > 0.0), 0.0);
 }

@@ -336,7 +336,7 @@ impl GpuReconstruction {
             recorder.run("reflections", &facet_passes.accumulate, &[0, 2, 3, 5, 6, 7, 12, 15], target);
             recorder.filter(&facet_passes.filter, options, target);
         }
-        recorder.run("emitters", &passes.remove_emitters, &[0, 2, 7, 8, 14], target);
+        recorder.run("emitters", &passes.remove_emitters, &[0, 2, 7, 8, 14, 16], target);
         let target = Target { size, ..target };
         recorder.run("anti-aliasing", &passes.antialias, &[0, 2, 3, 7, 9, 10, 12], Target { source: 1, ..target });
         if settles(film.samples) && traced == size {

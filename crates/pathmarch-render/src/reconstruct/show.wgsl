@@ -16,7 +16,7 @@ fn shown_colour(position: vec2u) -> vec3f {
         let sample_position = min(vec2u((vec2f(position) + 0.5) / factor), samples - 1u);
         return film_mean(sample_position, sample_position.y * samples.x + sample_position.x);
     }
-    return colour * (1.0 - coverage.w) + coverage.xyz;
+    return colour * max(1.0 - abs(coverage.w), 0.0) + coverage.xyz;
 }
 
 /// Squared difference between the picture and the means of its film, and the variance of these means. Twin of
@@ -83,6 +83,10 @@ fn mix_with_film(@builtin(global_invocation_id) id: vec3u) {
         settling = limited(vec2i(id.xy), mean);
     } else {
         settled = max(settled, unbiased_weight(vec2i(id.xy)));
+    }
+    // Discs of emitters out of focus have less noise than the film.
+    if uniforms.has_emitters != 0u && coverages[pixel].w < 0.0 {
+        settled = 0.0;
     }
     let colour = mix(mix(shown, settling, settled), mean, uniforms.weight);
     estimates[pixel] = vec4f(colour, 0.0);

@@ -1,4 +1,5 @@
 // import: backend/gpu/buffers, integrator/camera, integrator/camera_emission, integrator/camera_ray_index
+// import: integrator/lens_targets
 // Entry point: further camera rays at the edges of emitters in a slice. Twin of emitter_edges.rs, which explains them. Sixteen
 // lanes trace the rays of a pixel: the further ones, and the last lane the path's own.
 
@@ -19,10 +20,12 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
     if is_inside {
         let camera_ray_index = camera_ray_index(slice.sample);
         var sampler = pixel_sampler(x, y, camera_ray_index, frame.seed);
+        var camera = WeightedRay(camera_ray(x, y, sampler), 1.0);
         if ray_of_pixel < EDGE_RAYS {
             sampler = pixel_sampler(x, y, camera_ray_index * RAYS_PER_EDGE + ray_of_pixel, hash(~frame.seed));
+            camera = further_ray(vec2u(x, y), vec2u(frame.width, frame.height), sampler, ray_of_pixel, EDGE_RAYS);
         }
-        emissions[lane] = emission_along(camera_ray(x, y, sampler), sampler).xyz;
+        emissions[lane] = emission_along(camera.ray, sampler).xyz * camera.weight;
     }
     workgroupBarrier();
     if is_inside && ray_of_pixel == 0u {

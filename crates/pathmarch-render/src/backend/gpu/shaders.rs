@@ -8,8 +8,8 @@ use super::encode;
 use super::loop_limit::SuspendedPath;
 use super::slice::{self, Slice};
 use crate::integrator::{
-    emitter_coverage, emitter_edges, first_mirror, guides, light_sampling, media_segment, medium, medium_light,
-    participating_media, path_reuse, path_state, reflected_light, shadow, splitting,
+    emitter_coverage, emitter_edges, first_mirror, guides, lens_targets, light_sampling, media_segment, medium,
+    medium_light, participating_media, path_reuse, path_state, reflected_light, shadow, splitting,
 };
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
@@ -73,6 +73,7 @@ static FILES: &[ShaderFile] = shader_files![
     "integrator/first_mirror" shares first_mirror::shared_wgsl,
     "integrator/guide" shares guides::shared_wgsl,
     "integrator/guides",
+    "integrator/lens_targets" shares lens_targets::shared_wgsl,
     "integrator/light_nodes_storage" shares declaration::<LightNode>,
     "integrator/light_nodes_uniform" shares declaration::<LightNode>,
     "integrator/light_sampling" shares || encode::light::shared_wgsl() + &light_sampling::shared_wgsl(),
