@@ -83,7 +83,7 @@ fn pictures_do_not_depend_on_shape_grids(renderers: &mut [Renderer; 2]) {
     for (scene, shapes_as_code) in some_of([(mixed_scene(), [5, 225]), (scene(), [1, 271])], 2) {
         let as_code = without_grids(&scene);
         assert_eq!([&scene, &as_code].map(|scene| scene.field.shapes_as_code()), shapes_as_code);
-        let settings = Settings { size: [128, 72], samples: 64, ..Settings::of(&scene) };
+        let settings = Settings { size: [96, 54], samples: 64, ..Settings::of(&scene) };
         let reference = render(&renderers[0], &as_code, &settings).mean();
         for renderer in renderers.iter() {
             let error = relmse(&render(renderer, &scene, &settings).mean(), &reference).expect("equal sizes");

@@ -226,13 +226,16 @@ pub(super) fn seen_by_further_rays(
     let ctx = &TraceContext { frame: &frame, ..*ctx };
     let (pixels, samplers) = samplers(ctx, pixels, first..first + count);
     let in_pixels = PixelSampler::samples_2d(&samplers, pair::PAIR_PIXEL);
-    let on_lens = PixelSampler::samples_2d(&samplers, pair::PAIR_LENS);
-    let numbers = pixels.into_iter().zip(in_pixels.into_iter().zip(on_lens));
-    let ray = |(index, ((x, y), (offset, random))): (u32, ((u32, u32), ([f32; 2], [f32; 2])))| {
-        let position = [x as f32 + offset[0], y as f32 + offset[1]];
-        targets.ray(&frame, position, random, FurtherRay { index: index % count, count })
+    let on_lens = match frame.lens_radius == 0.0 {
+        true => vec![[0.0; 2]; samplers.len()],
+        false => PixelSampler::samples_2d(&samplers, pair::PAIR_LENS),
     };
-    let (rays, weights): (Vec<Ray>, Vec<f32>) = (0..).zip(numbers).map(ray).unzip();
+    let ray = |slot: usize| {
+        let ((x, y), [dx, dy]) = (pixels[slot], in_pixels[slot]);
+        let position = [x as f32 + dx, y as f32 + dy];
+        targets.ray(&frame, position, on_lens[slot], FurtherRay { index: slot as u32 % count, count })
+    };
+    let (rays, weights): (Vec<Ray>, Vec<f32>) = (0..pixels.len()).map(ray).unzip();
     let seen = path::emission_along(ctx, rays.into_iter().zip(samplers));
     seen.into_iter().zip(weights).map(|(emission, weight)| Seen { emission, weight }).collect()
 }

@@ -114,13 +114,12 @@ fn further_ray(pixel: vec2u, size: vec2u, sampler: PixelSampler, index: u32, cou
         let part = lens_part(in_focus, light_at(k));
         if part.radius >= 0.0 {
             let apart = point - part.centre;
-            if dot(apart, apart) <= part.radius * part.radius || is_aimed && part_index == chosen {
+            let is_own = is_aimed && part_index == chosen;
+            if is_own || dot(apart, apart) <= part.radius * part.radius {
                 let rays = aimed / parts + select(0u, 1u, part_index < aimed % parts);
                 let density = f32(rays) / (part.radius * part.radius);
                 squares += density * density;
-                if is_aimed && part_index == chosen {
-                    own = density;
-                }
+                own = select(own, density, is_own);
             }
             part_index++;
         }

@@ -123,7 +123,7 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
     let mirrored = guide.position + normalize(guide.position - uniforms.position) * image.x;
     let to_middle = offset_to_middle(position, guide.position);
     let is_medium = has_medium(guide);
-    let has_limits = uniforms.scene_changed != 0u || moves && !is_medium;
+    let has_limits = uniforms.scene_changed != 0u || (moves && !is_medium);
     let limits = select(vec2f(0.0, 3e38), image.zw, has_limits);
     var found: History;
     if is_medium {
