@@ -221,6 +221,13 @@ fn share_of_equal(a: &Picture, b: &Picture) -> f64 {
     a.pixels.iter().zip(&b.pixels).filter(equal).count() as f64 / a.pixels.len() as f64
 }
 
+/// relMSE between the next pictures of two sequences.
+fn difference(sequences: &mut [Sequence; 2], scene: &Arc<Scene>, settings: &Settings, size: [u32; 2]) -> f64 {
+    let next = |sequence: &mut Sequence| sequence.render_upscaled(scene, settings, size).expect("a picture");
+    let [a, b] = sequences.each_mut().map(next);
+    relmse(&a.reconstructed, &b.reconstructed).expect("finite")
+}
+
 fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
     let at = |x: f32| Arc::new(parse(&ROOM.replace("at 0.5 0.4 0.3", &format!("at {x} 0.4 0.3"))));
     let balls = [at(0.5), at(0.53), at(0.56), at(0.6)];
@@ -242,9 +249,7 @@ fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
     for frame in 8..11 {
         let settings = settings(&lamps, moved(&lamps, 0.03 * frame as f32), 1, frame);
         let size = if frame == 10 { [150, 96] } else { SIZE };
-        let [a, b] =
-            sequences.each_mut().map(|sequence| sequence.render_upscaled(&lamps, &settings, size).expect("a picture"));
-        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        let error = difference(&mut sequences, &lamps, &settings, size);
         println!("lamps, frame {frame}: relMSE {error:.2e}");
         assert!(error < 1e-5, "{frame}: {error}");
     }
@@ -254,9 +259,7 @@ fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
         // At rest, a film of several samples.
         let settings = settings(&lamps, moved(&lamps, x), if frame == 14 { 9 } else { 1 }, frame);
         let size = if frame == 13 { [150, 96] } else { SIZE };
-        let [a, b] =
-            sequences.each_mut().map(|sequence| sequence.render_upscaled(&lamps, &settings, size).expect("a picture"));
-        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        let error = difference(&mut sequences, &lamps, &settings, size);
         println!("lamps out of focus, frame {frame}: relMSE {error:.2e}");
         assert!(error < 1e-5, "{frame}: {error}");
     }
@@ -264,8 +267,7 @@ fn both_backends_reconstruct_alike(renderers: &mut [Renderer; 2]) {
     let scene = &balls[3];
     for frame in 0..3 {
         let settings = settings(scene, through_lens(moved(scene, 0.02 * frame as f32)), 1, frame);
-        let [a, b] = sequences.each_mut().map(|sequence| sequence.render(scene, &settings).expect("a picture"));
-        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        let error = difference(&mut sequences, scene, &settings, SIZE);
         println!("lens, frame {frame}: relMSE {error:.2e}");
         assert!(error < 1e-5, "{frame}: {error}");
     }
@@ -303,14 +305,12 @@ fn both_backends_filter_facets_alike(renderers: &mut [Renderer; 2]) {
         for frame in 0..10 {
             let scene = if frame == 5 { &plain } else { &scene };
             let settings = settings(scene, moved(scene, 0.04 * frame as f32), 1, frame);
-            let [a, b] = sequences.each_mut().map(|sequence| sequence.render(scene, &settings).expect("a picture"));
-            let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+            let error = difference(&mut sequences, scene, &settings, SIZE);
             println!("{object}, frame {frame}: relMSE {error:.2e}");
             assert!(error < most, "{frame}: {error}");
         }
         let settings = settings(&scene, moved(&scene, 0.36), 9, 8);
-        let [a, b] = sequences.each_mut().map(|sequence| sequence.render(&scene, &settings).expect("a picture"));
-        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        let error = difference(&mut sequences, &scene, &settings, SIZE);
         println!("{object}, at rest: relMSE {error:.2e}");
         assert!(error < most, "{error}");
     }
@@ -352,8 +352,7 @@ fn both_backends_filter_light_of_media_alike(renderers: &mut [Renderer; 2]) {
     for (frame, seed) in [4, 5, 6, 9].into_iter().enumerate() {
         let samples = if frame == 3 { 9 } else { 1 };
         let settings = settings(&scene, moved(&scene, 0.04 * seed as f32), samples, seed);
-        let [a, b] = sequences.each_mut().map(|sequence| sequence.render(&scene, &settings).expect("a picture"));
-        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        let error = difference(&mut sequences, &scene, &settings, SIZE);
         println!("frame {frame}: relMSE {error:.2e}");
         assert!(error < 1e-4, "{frame}: {error}");
     }

@@ -6,7 +6,7 @@ use pathmarch_render::image::{self, Picture, PictureKind};
 use pathmarch_render::metrics::{compare, mean_colour, relmse};
 use pathmarch_render::pathmarch_scene::Scene;
 use pathmarch_render::{Backend, Renderer, Settings};
-use pathmarch_testing::{are_tests_long, plain, tests};
+use pathmarch_testing::{long_tests_run, plain, tests};
 
 /// References that take long, for their fog: only long tests compare them with the established path tracer.
 const LONG: [&str; 2] = ["fog_point", "fog_area"];
@@ -48,7 +48,7 @@ const REFERENCES: [(&str, u32, f32); 24] = [
 fn pictures_agree_with_mitsuba() {
     let cpu = Renderer::open(Backend::Cpu, None).expect("the CPU backend");
     let mut wrong = Vec::new();
-    let is_compared = |name: &str| !LONG.contains(&name) || are_tests_long();
+    let is_compared = |name: &str| !LONG.contains(&name) || long_tests_run();
     for (name, samples, limit) in REFERENCES.into_iter().filter(|(name, ..)| is_compared(name)) {
         let scene = Scene::load(data(&format!("{name}.kdl"))).expect("a valid scene");
         let reference = image::load(&data(&format!("{name}.exr"))).expect("a picture").picture;

@@ -107,11 +107,11 @@ static LONG_TESTS: Requirement = Requirement {
 /// # }
 /// ```
 pub fn some_of<T>(cases: impl IntoIterator<Item = T>, step: usize) -> impl Iterator<Item = T> {
-    cases.into_iter().step_by(if are_tests_long() { 1 } else { step })
+    cases.into_iter().step_by(if long_tests_run() { 1 } else { step })
 }
 
 /// True if `PATHMARCH_LONG_TESTS` is set, so that tests go through all of their cases.
-pub fn are_tests_long() -> bool {
+pub fn long_tests_run() -> bool {
     is_set(LONG_TESTS.variable)
 }
 

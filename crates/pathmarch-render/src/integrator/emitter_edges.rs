@@ -134,7 +134,7 @@ impl EmitterEdges {
         rows.flat_map(of_row).collect()
     }
 
-    /// What is added to the sum of the `samples` samples of each of these pixels that share the camera ray of sample `first`.
+    /// Corrections of the sums of the `samples` samples of each of these pixels that share the camera ray of sample `first`.
     pub(crate) fn corrections(&self, ctx: &TraceContext, pixels: &[(u32, u32)], first: u32, samples: u32) -> Vec<Vec3> {
         if pixels.is_empty() {
             return Vec::new();
@@ -206,14 +206,14 @@ fn samplers(ctx: &TraceContext, pixels: &[(u32, u32)], indices: Range<u32>) -> (
     pixels.iter().flat_map(of_pixel).unzip()
 }
 
-/// What a further camera ray sees.
+/// Emission that a further camera ray sees.
 pub(super) struct Seen {
     pub(super) emission: SeenEmission,
     /// Weight of the emission in the mean over the rays of the pixel.
     pub(super) weight: f32,
 }
 
-/// What `count` camera rays through each of these pixels see, pixel by pixel, whose random numbers are not those of its
+/// Emission along `count` camera rays through each of these pixels, pixel by pixel, whose random numbers are not those of its
 /// samples.
 pub(super) fn seen_by_further_rays(
     ctx: &TraceContext,

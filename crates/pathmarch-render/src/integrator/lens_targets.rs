@@ -28,7 +28,7 @@ shared_constants! {
     /// Least radius of a target's part of the lens, in radii of the lens.
     const MIN_LENS_PART: f32 = 1e-3;
     /// Distance from the disc of an emitter in the picture within which pixels may show it, pixels.
-    pub(crate) const EMITTER_MARGIN: f32 = 1.0;
+    const EMITTER_MARGIN: f32 = 1.0;
 }
 
 /// Emitters of a picture that are far out of focus.
@@ -83,12 +83,12 @@ impl LensPart {
     }
 }
 
-/// Which of the further camera rays of a pixel one is.
+/// Position of a ray among the further camera rays of a pixel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FurtherRay {
-    pub(crate) index: u32,
+pub(super) struct FurtherRay {
+    pub(super) index: u32,
     /// Number of these rays.
-    pub(crate) count: u32,
+    pub(super) count: u32,
 }
 
 impl LensTargets {
