@@ -13,11 +13,10 @@ fn emission_along(camera: Ray, sampler: PixelSampler) -> vec4f {
         path.throughput *= transmittance(path.medium, hit.t);
     }
     let scatters = arrive(&path, hit);
-    let m = leaf_at(path.surface_at_hit.leaf).material;
+    let m = leaf_at(path.interaction.leaf).material;
     if scatters && HAS_GLOW && (material_at(m).flags & GLOWS) != 0u {
-        let interaction = resolve_surface(path.ray.origin, path.ray.direction, path.hit, path.surface_at_hit);
-        evaluate_textures(m, interaction, path.length);
-        add_emission(&path, interaction, emission_at(m));
+        evaluate_textures(m, path.interaction, path.length);
+        add_emission(&path, path.interaction, emission_at(m));
     }
     return vec4f(path.radiance, select(0.0, 1.0, (material_at(m).flags & EMITS) != 0u));
 }

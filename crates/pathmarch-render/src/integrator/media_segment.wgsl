@@ -58,13 +58,11 @@ fn path_intersect(path: ptr<function, Path>) -> bool {
         if !HAS_BOUNDARIES && !NESTED_DIELECTRICS {
             return arrive(path, hit);
         }
-        let hit_point = ray.origin + ray.direction * hit.t;
-        let surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, surface_index));
-        let is_boundary = (material_at(leaf_at(surface_at_hit.leaf).material).flags & BOUNDARY) != 0u;
-        if !is_boundary && !(NESTED_DIELECTRICS && is_skipped((*path).medium, surface_at_hit.leaf)) {
+        let interaction = surface_interaction(ray, hit, unstratified_seed((*path).sampler, surface_index));
+        let is_boundary = (material_at(leaf_at(interaction.leaf).material).flags & BOUNDARY) != 0u;
+        if !is_boundary && !(NESTED_DIELECTRICS && is_skipped((*path).medium, interaction.leaf)) {
             return arrive(path, hit);
         }
-        let interaction = resolve_surface(hit_point, ray.direction, hit, surface_at_hit);
         // Like an event in the medium, the boundary is found to rounding, so that no chord is missed.
         (*path).length = select((*path).length + hit.t, LENGTH_IN_MEDIUM, is_boundary);
         (*path).ray.origin = spawn_origin(interaction, true);
@@ -116,9 +114,7 @@ fn record_surface_behind(path: ptr<function, Path>, first_hit: Hit) {
     var medium = (*path).medium;
     var hit = first_hit;
     for (var crossing = 0u; crossing < MAX_CROSSINGS && hit.t >= 0.0; crossing++) {
-        let hit_point = ray.origin + ray.direction * hit.t;
-        let surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, (*path).surfaces));
-        let interaction = resolve_surface(hit_point, ray.direction, hit, surface_at_hit);
+        let interaction = surface_interaction(ray, hit, unstratified_seed((*path).sampler, (*path).surfaces));
         let m = leaf_at(interaction.leaf).material;
         let is_boundary = (material_at(m).flags & BOUNDARY) != 0u;
         length += hit.t;

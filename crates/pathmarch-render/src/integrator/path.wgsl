@@ -50,7 +50,7 @@ fn path_scatter(path: ptr<function, Path>) -> bool {
     }
     let surface_index = (*path).surfaces;
     let incoming = (*path).ray.direction;
-    let interaction = resolve_surface((*path).ray.origin, incoming, (*path).hit, (*path).surface_at_hit);
+    let interaction = (*path).interaction;
     let m = leaf_at(interaction.leaf).material;
     let flags = material_at(m).flags;
     record_scattering(m, surface_index, (*path).radiance);

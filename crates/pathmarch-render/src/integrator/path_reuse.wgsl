@@ -26,7 +26,7 @@ fn place_in_tile(pixel: vec2u) -> u32 {
 
 /// True if the camera hit of a path is on an opaque surface that is no mirror, and not seen through a medium.
 fn shares(path: Path) -> bool {
-    let flags = material_at(leaf_at(path.surface_at_hit.leaf).material).flags;
+    let flags = material_at(leaf_at(path.interaction.leaf).material).flags;
     return (flags & (DELTA | TRANSMITS)) == 0u && (!ABSORPTION || all(absorption_of(path.medium) == vec3f(0.0)));
 }
 
@@ -55,8 +55,7 @@ fn add_shared_samples(before: vec4f, x: u32, y: u32, is_inside: bool) -> vec4f {
             sum += f32(slice.samples) * kept(film_value(first_path.radiance));
         }
     }
-    let interaction =
-        resolve_surface(first_path.ray.origin, first_path.ray.direction, first_path.hit, first_path.surface_at_hit);
+    let interaction = first_path.interaction;
     let material = leaf_at(interaction.leaf).material;
     if is_shared {
         evaluate_textures(material, interaction, first_path.length);
@@ -134,10 +133,10 @@ fn trace_paths(first_path: Path, is_shared: bool, first_second_surface: u32) -> 
             record_arrival(path.length);
         }
         if goes_on {
-            let material = leaf_at(path.surface_at_hit.leaf).material;
+            let material = leaf_at(path.interaction.leaf).material;
             let flags = material_at(material).flags;
             if is_shared && path.surfaces == 1u && (flags & (LAMBERTIAN | GLOWS)) == LAMBERTIAN {
-                let interaction = resolve_surface(path.ray.origin, path.ray.direction, path.hit, path.surface_at_hit);
+                let interaction = path.interaction;
                 second = SecondSurface(interaction.p, interaction.offset, interaction.normal, vec3f(0.0));
                 record_scattering(material, 1u, path.radiance);
                 radiance_before = path.radiance;

@@ -10,7 +10,7 @@ fn clamped(contribution: vec3f, bounces: u32) -> vec3f {
     return contribution * (frame.clamp / max(largest(contribution), frame.clamp));
 }
 
-/// Path at its current hit: `ray.origin` is the hit point. The interaction there is resolved where it is needed.
+/// Path at its current hit: `ray.origin` is the hit point.
 struct Path {
     ray: Ray,
     sampler: PixelSampler,
@@ -36,8 +36,7 @@ struct Path {
     wavelength: f32,
     /// Number of surfaces at which the path was scattered.
     surfaces: u32,
-    hit: Hit,
-    surface_at_hit: Surface,
+    interaction: SurfaceInteraction,
     /// True at a scattering event in a medium.
     is_in_medium: bool,
 }
@@ -100,12 +99,9 @@ fn arrive(path: ptr<function, Path>, hit: Hit) -> bool {
     (*path).length += hit.t;
     let hit_point = ray.origin + ray.direction * hit.t;
     (*path).ray.origin = hit_point;
-    (*path).hit = hit;
-    (*path).surface_at_hit = surface_of_hit(hit_point, hit, unstratified_seed((*path).sampler, (*path).surfaces));
-    let leaf = leaf_at((*path).surface_at_hit.leaf);
-    let m = leaf.material;
-    // In front of the branch, so that compilers resolve surfaces that scatter only once.
-    let interaction = resolve_surface(hit_point, ray.direction, hit, (*path).surface_at_hit);
+    let interaction = surface_interaction(ray, hit, unstratified_seed((*path).sampler, (*path).surfaces));
+    (*path).interaction = interaction;
+    let m = leaf_at(interaction.leaf).material;
     if HAS_EMITTERS && (material_at(m).flags & EMITS) != 0u {
         record_guide(interaction, (*path).throughput, (*path).length, (*path).surfaces, material_at(m).emission);
         add_emission(path, interaction, material_at(m).emission);

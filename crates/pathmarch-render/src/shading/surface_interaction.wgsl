@@ -19,25 +19,16 @@ struct SurfaceInteraction {
     offset: f32,
 }
 
-/// Surface at a hit; `seed` chooses one of two blended materials.
-fn surface_of_hit(hit_point: vec3f, hit: Hit, seed: u32) -> Surface {
-    return with_nearest_triangle(surface(hit_point, hit.hit_id, hit.triangle, seed), hit_point);
-}
-
 /// Surface interaction of a hit. `seed` chooses one of two blended materials.
 fn surface_interaction(ray: Ray, hit: Hit, seed: u32) -> SurfaceInteraction {
     let hit_point = ray.origin + ray.direction * hit.t;
-    return resolve_surface(hit_point, ray.direction, hit, surface_of_hit(hit_point, hit, seed));
-}
-
-/// Surface interaction of a hit at `hit_point`, from the surface of the field there.
-fn resolve_surface(hit_point: vec3f, direction: vec3f, hit: Hit, surface_at_hit: Surface) -> SurfaceInteraction {
+    let surface_at_hit = with_nearest_triangle(surface(hit_point, hit.hit_id, hit.triangle, seed), hit_point);
     let inverse = 1.0 / max(length(surface_at_hit.gradient), 1e-6);
     let outward = surface_at_hit.gradient * inverse;
     let rounding = rounding_at(hit_point, leaf_at(surface_at_hit.leaf).origin);
     // Within rounding of the surface, the direction of the ray decides the side; elsewhere the sign of the field does.
     let on_surface = hit.analytic || abs(surface_at_hit.distance) <= rounding + frame.rounding * hit.t;
-    let inside = select((surface_at_hit.distance < 0.0), (dot(outward, direction) > 0.0), on_surface);
+    let inside = select((surface_at_hit.distance < 0.0), (dot(outward, ray.direction) > 0.0), on_surface);
     let residual = surface_at_hit.distance * inverse;
     let normal = select(outward, -outward, inside);
     let is_turned = (leaf_at(surface_at_hit.leaf).flags & TWO_SIDED) != 0u;
