@@ -514,6 +514,34 @@ fn outlines_of_mirrors_move_with_them() {
     assert!(wall > 4.0 * mirror && lags.iter().all(|lag| lag.abs() < 0.15), "{lags:?}");
 }
 
+/// Ball of chrome before a sky of bands of colours.
+const CHROME: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0; fov 30 }\nrender { bounces 2 }\n\
+    sky \"gradient\" { zenith 0.1 0.3 1; horizon 1 0.8 0.6 }\nmaterial \"mirror\" { metal 0.9; roughness 0 }\n\
+    object \"ball\" material=\"mirror\" { sphere 1 { at 0 1 0 } }";
+
+fn both_backends_leave_no_trail_of_the_sky_in_a_ball(renderers: &mut [Renderer; 2]) {
+    let scene = Arc::new(parse(CHROME));
+    let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
+    let reference = converged(&scene, moved(&scene, 0.95));
+    for frame in 0..20 {
+        let settings = settings(&scene, moved(&scene, 0.05 * frame as f32), 1, frame);
+        let [a, b] = sequences.each_mut().map(|sequence| sequence.render(&scene, &settings).expect("a picture"));
+        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        println!("frame {frame}: relMSE {error:.2e}");
+        assert!(error < 1e-5, "frame {frame}: {error}");
+        if frame == 19 {
+            // The middle of the ball.
+            let middle = |picture: &Picture| {
+                let pixels = (17..37).flat_map(|y| (38..58).filter_map(move |x| picture.get(x, y)));
+                Picture { width: 20, height: 20, pixels: pixels.collect() }
+            };
+            let error = relmse(&middle(&a.reconstructed), &middle(&reference)).expect("finite");
+            println!("from the converged picture: relMSE {error:.2e}");
+            assert!(error < 1e-4, "{error}");
+        }
+    }
+}
+
 fn both_backends_follow_a_growing_ball(renderers: &mut [Renderer; 2]) {
     let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
     for frame in 0..5 {
@@ -535,6 +563,7 @@ tests! {
         both_backends_filter_facets_alike,
         both_backends_filter_light_of_media_alike,
         both_backends_follow_a_growing_ball,
+        both_backends_leave_no_trail_of_the_sky_in_a_ball,
         pictures_that_do_not_fit_are_shown_as_they_are,
     ],
     plain: [

@@ -17,7 +17,7 @@ struct Guide {
     position: vec3f,
     /// Mean square of the luminance of the samples, each divided by its albedo.
     square: f32,
-    /// Unit normal on the side of the camera, mirrored as the position is.
+    /// Unit normal on the side of the camera, mirrored as the position is; opposite to the direction that is seen of the sky.
     normal: vec3f,
     /// Unit normal of the surface that is seen through glass; elsewhere the normal itself.
     seen_normal: vec3f,
@@ -25,7 +25,7 @@ struct Guide {
     guide_class: u32,
     /// Albedo times the reflectance of mirrors; the radiance of an emitter; 1 for the sky and for glass. Mean over the samples.
     albedo: vec3f,
-    /// Index of the object. The kernel writes the index of the leaf, which the first pass replaces.
+    /// Index of the object, see guides.rs. The kernel writes the index of the leaf, which the first pass replaces.
     object: u32,
     /// The same of what is seen through glass; elsewhere the object itself.
     seen_object: u32,

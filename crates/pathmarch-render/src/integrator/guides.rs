@@ -45,6 +45,9 @@ shared_constants! {
     const GUIDE_SURFACE: u32 = GuideClass::Surface as u32;
 }
 
+/// Object of the sky that no mirror shows. Floats that hold an object and some bits are exact.
+pub(crate) const NO_OBJECT: u32 = (1 << 20) - 1;
+
 /// Class of a guide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum GuideClass {
@@ -68,7 +71,7 @@ pub(crate) struct Guide {
     pub(crate) position: Vec3,
     /// Distance of the position from the camera, metres: the length of the path.
     pub(crate) length: f32,
-    /// Unit normal on the side of the camera, mirrored as the position is.
+    /// Unit normal on the side of the camera, mirrored as the position is; opposite to the direction that is seen of the sky.
     pub(crate) normal: Vec3,
     /// Unit normal of the surface that is seen through glass; elsewhere the normal itself.
     pub(crate) seen_normal: Vec3,
@@ -83,7 +86,7 @@ pub(crate) struct Guide {
     /// Light that media in front of the surface scatter or emit; else that which the facets of a glossy surface reflect or
     /// refract; 0 elsewhere.
     pub(crate) reflected: ReflectedLight,
-    /// Index of the object; 0 for the sky.
+    /// Index of the object: for the sky, that of the first mirror which shows it, or [`NO_OBJECT`].
     pub(crate) object: u32,
     /// Index of the object that is seen through glass; elsewhere the object itself.
     pub(crate) seen_object: u32,
@@ -112,8 +115,8 @@ impl Guide {
         is_glossy: false,
         reflected: ReflectedLight::NONE,
         indirect: Vec3::ZERO,
-        object: 0,
-        seen_object: 0,
+        object: NO_OBJECT,
+        seen_object: NO_OBJECT,
         leaf: NO_LEAF,
         mirror: FirstMirror::NONE,
     };
@@ -321,7 +324,11 @@ impl GuideRecorder {
             let n = interaction.normal;
             if surface_index == 0 {
                 guide.mirror = FirstMirror::new(interaction.p.distance(self.camera_rays[slot].origin), n);
+                (guide.object, guide.seen_object) = (object, object);
             }
+            // The path may show the sky.
+            guide.normal = guide.normal.reflect(n);
+            guide.seen_normal = guide.normal;
             let reflection = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis - 2.0 * axis.dot(n) * n);
             self.states[slot] = State::Mirrored(mirrors * Mat3::from_cols(reflection[0], reflection[1], reflection[2]));
             return;

@@ -44,7 +44,7 @@ fn begin_guide(camera: Ray) {
     guide.guide_class = GUIDE_SKY;
     guide.albedo = vec3f(1.0);
     guide.object = GLOSSY_BIT - 1u;
-    guide.seen_object = 0u;
+    guide.seen_object = GLOSSY_BIT - 1u;
     guide.is_mixed = false;
     guide.leaf = NO_LEAF;
     guide.mirror = MIRROR_BIT;
@@ -144,7 +144,12 @@ fn record_guide(
     if is_delta && !is_glass {
         if surface_index == 0u {
             guide.mirror = packed_first_mirror(distance(interaction.p, guide_ray.origin), n);
+            guide.object = interaction.leaf;
+            guide.seen_object = interaction.leaf;
         }
+        // The path may show the sky.
+        guide.normal = reflect(guide.normal, n);
+        guide.seen_normal = guide.normal;
         let reflection = mat3x3f(
             vec3f(1.0, 0.0, 0.0) - 2.0 * n.x * n,
             vec3f(0.0, 1.0, 0.0) - 2.0 * n.y * n,

@@ -89,12 +89,17 @@ impl Neighbourhoods {
     /// The neighbourhoods, one by one.
     #[inline(always)]
     fn each(self) -> [Row; 8] {
-        let Self { mean, deviation, sought: SoughtPoints { position, normal, pixel, surface, are_sky }, before, now } =
-            self;
+        let Self {
+            mean,
+            deviation,
+            sought: SoughtPoints { position, normal, pixel, surface, sky_tolerance },
+            before,
+            now,
+        } = self;
         let one = |mask: f32x8| mask & f32x8::ONE;
         let columns = [
             [position.x, position.y, position.z, pixel, normal.x, normal.y, normal.z, surface],
-            [mean.x, mean.y, mean.z, deviation.x, deviation.y, deviation.z, one(are_sky), one(before.mask & now.mask)],
+            [mean.x, mean.y, mean.z, deviation.x, deviation.y, deviation.z, sky_tolerance, one(before.mask & now.mask)],
             [before.x, before.y, now.x, now.y, f32x8::ZERO, f32x8::ZERO, f32x8::ZERO, f32x8::ZERO],
         ];
         let [a, b, c] = columns.map(|columns| f32x8::transpose(columns).map(f32x8::to_array));
@@ -105,14 +110,15 @@ impl Neighbourhoods {
     #[inline(always)]
     fn gathered(row: &[Row], indices: [usize; 8]) -> Self {
         let numbers = |k: usize| transposed(indices.map(|index| row[index][k]));
-        let ([px, py, pz, pixel, nx, ny, nz, surface], [mx, my, mz, dx, dy, dz, sky, moves]) = (numbers(0), numbers(1));
+        let [px, py, pz, pixel, nx, ny, nz, surface] = numbers(0);
+        let [mx, my, mz, dx, dy, dz, sky_tolerance, moves] = numbers(1);
         let [bx, by, x, y, ..] = numbers(2);
-        let [are_sky, mask] = [sky, moves].map(|number| number.simd_gt(f32x8::ZERO));
+        let mask = moves.simd_gt(f32x8::ZERO);
         let (position, normal) = (Vectors::new(px, py, pz), Vectors::new(nx, ny, nz));
         Self {
             mean: Vectors::new(mx, my, mz),
             deviation: Vectors::new(dx, dy, dz),
-            sought: SoughtPoints { position, normal, pixel, surface, are_sky },
+            sought: SoughtPoints { position, normal, pixel, surface, sky_tolerance },
             before: Positions { x: bx, y: by, mask },
             now: Positions { x, y, mask },
         }

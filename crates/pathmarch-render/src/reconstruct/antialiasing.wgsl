@@ -68,9 +68,11 @@ fn past_colour(position: vec2f) -> vec3f {
     return clamp(sum, least, most);
 }
 
-/// Length of the path to the point of a guide, metres; large if it is no part of the picture.
+/// Length of the path to the point of a guide, metres; large and equal for all of the sky, and larger if it is no part of the
+/// picture.
 fn length_of_part(guide: Guide) -> f32 {
-    return select(path_length(guide), 3e38, uniforms.has_emitters != 0u && is_seen_emitter(guide));
+    let length = select(path_length(guide), 1e38, guide.guide_class == GUIDE_SKY);
+    return select(length, 3e38, uniforms.has_emitters != 0u && is_seen_emitter(guide));
 }
 
 /// Distance of the first surface on the ray of a guide, which may be a mirror, from the camera, metres.

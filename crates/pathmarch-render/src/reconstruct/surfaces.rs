@@ -103,10 +103,15 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// Mask of those of the sky.
+    /// Largest squared difference between directions to one point of the sky, if that is `mirrored` in mirrors: what curved
+    /// ones show of it moves over them. Below 0 for surfaces.
     #[inline(always)]
-    pub(super) fn are_sky(&self) -> f32x8 {
-        are_of(((self.surface - f32x8::ONE) * 0.5).floor(), GuideClass::Sky)
+    pub(super) fn sky_tolerance(&self, mirrored: f32) -> f32x8 {
+        let part = ((self.surface - f32x8::ONE) * 0.5).floor();
+        let mirrored = f32x8::splat(mirrored * mirrored);
+        let tolerance =
+            part.simd_eq(f32x8::splat(part_of(&Guide::NONE) as f32)).select(f32x8::splat(f32::MAX), mirrored);
+        are_of(part, GuideClass::Sky).select(tolerance, f32x8::splat(-1.0))
     }
 }
 

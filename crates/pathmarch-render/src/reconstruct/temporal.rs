@@ -74,8 +74,8 @@ pub(super) struct SoughtPoints {
     /// Sides of a pixel at their distances, metres: those of the picture with the larger pixels.
     pub(super) pixel: f32x8,
     pub(super) surface: f32x8,
-    /// Mask of those of the sky.
-    pub(super) are_sky: f32x8,
+    /// Largest squared difference between directions to points of the sky; below 0 for surfaces.
+    pub(super) sky_tolerance: f32x8,
 }
 
 impl ShownPoint {
@@ -130,7 +130,9 @@ impl ShownPoints {
         let are_near = along.simd_le(pixel * PLANE_TOLERANCE)
             & apart.dot(apart).simd_le(stretched * stretched)
             & sought.normal.dot(self.normal).simd_ge(f32x8::splat(MIN_NORMAL_COSINE));
-        self.have_surface(sought.surface) & (sought.are_sky | are_near)
+        let turned = sought.normal - self.normal;
+        let are_same_sky = turned.dot(turned).simd_le(sought.sky_tolerance);
+        self.have_surface(sought.surface) & (are_same_sky | (are_near & sought.sky_tolerance.simd_lt(f32x8::ZERO)))
     }
 }
 
@@ -423,8 +425,9 @@ impl History {
         frame: &FrameUniforms,
     ) -> SoughtPoints {
         let (position, normal) = earlier.lanes(indices).unwrap_or((points.position, points.normal));
-        let pixel = points.length * self.frame.pixel.max(frame.pixel);
-        SoughtPoints { position, normal, pixel, surface: points.surface, are_sky: points.are_sky() }
+        let side = self.frame.pixel.max(frame.pixel);
+        let sky_tolerance = points.sky_tolerance(POINT_TOLERANCE * side);
+        SoughtPoints { position, normal, pixel: points.length * side, surface: points.surface, sky_tolerance }
     }
 
     /// Mask of the points that this picture shows at positions, or next to them.
@@ -574,7 +577,7 @@ mod tests {
     use super::*;
     use crate::backend::RenderInput;
     use crate::integrator::camera::central_ray;
-    use crate::integrator::guides::GuideClass;
+    use crate::integrator::guides::{GuideClass, NO_OBJECT};
     use crate::integrator::medium_light::MEDIUM_ALPHA;
     use crate::settings::Settings;
     use pathmarch_scene::Scene;
@@ -671,6 +674,40 @@ mod tests {
         assert!(all(lengths([EYE, EYE], |guide| guide.class = GuideClass::Glass), 1.0), "class");
         assert!(all(lengths([EYE, EYE], |guide| guide.reflected.alpha = MEDIUM_ALPHA), 1.0), "medium");
         assert!(all(lengths([EYE, EYE], |guide| guide.position = Vec3::splat(f32::NAN)), 1.0), "no position");
+    }
+
+    /// A flat mirror shows the sky where it did, but for edges that come into sight, a ball another part of it in each direction.
+    #[test]
+    fn the_sky_in_curved_mirrors_has_no_past() {
+        let text = "pathmarch 1\ncamera { position 0 0 6; target 0 0 0; fov 35 }\nsky 1\n\
+            material \"mirror\" { metal 0.9; roughness 0 }\n\
+            object \"ball\" material=\"mirror\" { sphere 1 { at -1.2 0 0 } }\n\
+            object \"wall\" material=\"mirror\" { rect 2 { normal 0 0 1; at 1.2 0 0 } }";
+        let scene = Scene::parse("test.kdl", text).expect("a scene");
+        let mut past: Option<History> = None;
+        for x in [0.0, 0.2] {
+            let mut camera = scene.cameras[0].clone();
+            camera.position[0] += x;
+            camera.target[0] += x;
+            let input =
+                RenderInput::new(&scene, &Settings { size: [40, 30], viewpoint: Some(camera), ..Settings::of(&scene) });
+            let pixels: Vec<(u32, u32)> = (0..30).flat_map(|y| (0..40).map(move |x| (x, y))).collect();
+            let (_, guides) = input.sample_with_guides(&input.context(None), &pixels, 0);
+            let irradiance = vec![Vec3::ONE; guides.len()];
+            let new = Samples { irradiance: &irradiance, count: 1.0 };
+            let still = EarlierPoints::default();
+            let history = history_of(&input.frame, guides, new, past.as_ref().map(|past| (past, &still)), None);
+            if past.is_some() {
+                for (object, least, most) in [(NO_OBJECT, 0.85, 1.0), (0, 0.0, 0.05), (1, 0.85, 1.0)] {
+                    let seen = history.guides.iter().zip(&history.means).filter(|(guide, _)| guide.object == object);
+                    let lengths: Vec<f32> = seen.map(|(_, mean)| mean.length).collect();
+                    let share = lengths.iter().filter(|length| **length > 1.0).count() as f32 / lengths.len() as f32;
+                    assert!(lengths.len() > 80, "{} pixels of {object}", lengths.len());
+                    assert!((least..=most).contains(&share), "{share} of {object}");
+                }
+            }
+            past = Some(history);
+        }
     }
 
     /// Share of the pixels of a plane whose mean is off by more than a fifth after a flight over this irradiance.
