@@ -535,9 +535,11 @@ fn both_backends_leave_no_trail_of_the_sky_in_a_ball(renderers: &mut [Renderer; 
                 let pixels = (17..37).flat_map(|y| (38..58).filter_map(move |x| picture.get(x, y)));
                 Picture { width: 20, height: 20, pixels: pixels.collect() }
             };
-            let error = relmse(&middle(&a.reconstructed), &middle(&reference)).expect("finite");
-            println!("from the converged picture: relMSE {error:.2e}");
-            assert!(error < 1e-4, "{error}");
+            let [before, after] = [&a.noisy, &a.reconstructed]
+                .map(|picture| relmse(&middle(picture), &middle(&reference)).expect("finite"));
+            println!("relMSE {before:.2e} before, {after:.2e} after");
+            // With the past of any sky, it is about ten times as large.
+            assert!(after < 1.5 * before, "{before} {after}");
         }
     }
 }
