@@ -514,7 +514,7 @@ fn outlines_of_mirrors_move_with_them() {
     assert!(wall > 4.0 * mirror && lags.iter().all(|lag| lag.abs() < 0.15), "{lags:?}");
 }
 
-/// Ball of chrome before a sky of bands of colours.
+/// Ball of chrome before a gradient.
 const CHROME: &str = "pathmarch 1\ncamera { position 0 1 5; target 0 1 0; fov 30 }\nrender { bounces 2 }\n\
     sky \"gradient\" { zenith 0.1 0.3 1; horizon 1 0.8 0.6 }\nmaterial \"mirror\" { metal 0.9; roughness 0 }\n\
     object \"ball\" material=\"mirror\" { sphere 1 { at 0 1 0 } }";

@@ -17,7 +17,8 @@ struct Guide {
     position: vec3f,
     /// Mean square of the luminance of the samples, each divided by its albedo.
     square: f32,
-    /// Unit normal on the side of the camera, mirrored as the position is; opposite to the direction that is seen of the sky.
+    /// Unit normal on the side of the camera, mirrored as the position is. For the sky, the negative of the direction in which
+    /// the last segment of the path leaves the scene.
     normal: vec3f,
     /// Unit normal of the surface that is seen through glass; elsewhere the normal itself.
     seen_normal: vec3f,

@@ -45,7 +45,8 @@ shared_constants! {
     const GUIDE_SURFACE: u32 = GuideClass::Surface as u32;
 }
 
-/// Object of the sky that no mirror shows. Floats that hold an object and some bits are exact.
+/// Object of the sky, unless a mirror shows it. Small enough for numbers of surfaces ([`Guide::object`] and some bits) to be
+/// exact as floats.
 pub(crate) const NO_OBJECT: u32 = (1 << 20) - 1;
 
 /// Class of a guide.
@@ -71,7 +72,8 @@ pub(crate) struct Guide {
     pub(crate) position: Vec3,
     /// Distance of the position from the camera, metres: the length of the path.
     pub(crate) length: f32,
-    /// Unit normal on the side of the camera, mirrored as the position is; opposite to the direction that is seen of the sky.
+    /// Unit normal on the side of the camera, mirrored as the position is. For the sky, the negative of the direction in which
+    /// the last segment of the path leaves the scene.
     pub(crate) normal: Vec3,
     /// Unit normal of the surface that is seen through glass; elsewhere the normal itself.
     pub(crate) seen_normal: Vec3,
@@ -326,7 +328,7 @@ impl GuideRecorder {
                 guide.mirror = FirstMirror::new(interaction.p.distance(self.camera_rays[slot].origin), n);
                 (guide.object, guide.seen_object) = (object, object);
             }
-            // The path may show the sky.
+            // For the sky, if no surface follows.
             guide.normal = guide.normal.reflect(n);
             guide.seen_normal = guide.normal;
             let reflection = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis - 2.0 * axis.dot(n) * n);

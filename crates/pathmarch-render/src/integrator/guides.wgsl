@@ -147,7 +147,7 @@ fn record_guide(
             guide.object = interaction.leaf;
             guide.seen_object = interaction.leaf;
         }
-        // The path may show the sky.
+        // For the sky, if no surface follows.
         guide.normal = reflect(guide.normal, n);
         guide.seen_normal = guide.normal;
         let reflection = mat3x3f(

@@ -103,8 +103,8 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// Largest squared difference between directions to one point of the sky, if that is `mirrored` in mirrors: what curved
-    /// ones show of it moves over them. Below 0 for surfaces.
+    /// Largest squared difference between directions to one point of the sky; below 0 for surfaces. In mirrors, the difference
+    /// is at most `mirrored`: what curved ones show of the sky moves over them.
     #[inline(always)]
     pub(super) fn sky_tolerance(&self, mirrored: f32) -> f32x8 {
         let part = ((self.surface - f32x8::ONE) * 0.5).floor();

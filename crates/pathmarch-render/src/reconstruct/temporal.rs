@@ -676,7 +676,8 @@ mod tests {
         assert!(all(lengths([EYE, EYE], |guide| guide.position = Vec3::splat(f32::NAN)), 1.0), "no position");
     }
 
-    /// A flat mirror shows the sky where it did, but for edges that come into sight, a ball another part of it in each direction.
+    /// A flat mirror shows the same part of the sky when the camera has moved, but for edges that come into sight. A ball shows
+    /// another part.
     #[test]
     fn the_sky_in_curved_mirrors_has_no_past() {
         let text = "pathmarch 1\ncamera { position 0 0 6; target 0 0 0; fov 35 }\nsky 1\n\
