@@ -544,6 +544,43 @@ fn both_backends_leave_no_trail_of_the_sky_in_a_ball(renderers: &mut [Renderer; 
     }
 }
 
+/// Checker to the horizon, with a ball of bricks.
+const TEXTURED: &str = "pathmarch 1\ncamera { position 0 0.7 4; target 0 0.6 0; fov 40 }\nrender { bounces 2 }\n\
+    sky \"gradient\" { zenith 0.7 0.78 0.9; horizon 0.9 0.86 0.8; ground 0.35 0.3 0.26 }\n\
+    material \"checker\" { diffuse { checker size=0.3 { colour 0.1; colour 0.8 } } }\n\
+    material \"brick\" { principled { brick length=0.2 course=0.07 mortar=0.02 { colour 0.6; colour 0.3 0.1 0.05 } } }\n\
+    object \"floor\" material=\"checker\" { plane }\n\
+    object \"ball\" material=\"brick\" { sphere 0.6 { rotate 10 20 0; at 0 0.6 0 } }";
+
+fn textures_have_no_grain_while_the_camera_moves() {
+    let scene = Arc::new(parse(TEXTURED));
+    let reference = converged(&scene, moved(&scene, 0.33));
+    let errors = [true, false].map(|texture_filter| {
+        let mut sequence =
+            Sequence::new(&cpu(), ReconstructOptions { texture_filter, ..ReconstructOptions::default() });
+        let frames = (0..12).map(|frame| next(&mut sequence, &scene, moved(&scene, 0.03 * frame as f32), frame));
+        let shown = frames.last().expect("a frame").reconstructed;
+        let energy = mean(&shown) / mean(&reference);
+        assert!((energy - 1.0).abs() < 0.01, "{energy}");
+        relmse(&shown, &reference).expect("finite")
+    });
+    println!("relMSE {errors:.4?}");
+    assert!(errors[0] < 0.5 * errors[1], "{errors:?}");
+}
+
+fn both_backends_average_textures_alike(renderers: &mut [Renderer; 2]) {
+    let scene = Arc::new(parse(TEXTURED));
+    let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
+    let twice = SIZE.map(|side| 2 * side);
+    // In motion, enlarged, and at rest.
+    for (frame, x, size, samples) in [(0, 0.0, SIZE, 1), (1, 0.05, SIZE, 1), (2, 0.1, twice, 1), (3, 0.1, SIZE, 3)] {
+        let settings = settings(&scene, moved(&scene, x), samples, frame);
+        let error = difference(&mut sequences, &scene, &settings, size);
+        println!("frame {frame}: relMSE {error:.2e}");
+        assert!(error < 1e-5, "frame {frame}: {error}");
+    }
+}
+
 fn both_backends_follow_a_growing_ball(renderers: &mut [Renderer; 2]) {
     let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
     for frame in 0..5 {
@@ -564,6 +601,7 @@ tests! {
         both_backends_reconstruct_alike,
         both_backends_filter_facets_alike,
         both_backends_filter_light_of_media_alike,
+        both_backends_average_textures_alike,
         both_backends_follow_a_growing_ball,
         both_backends_leave_no_trail_of_the_sky_in_a_ball,
         pictures_that_do_not_fit_are_shown_as_they_are,
@@ -579,6 +617,7 @@ tests! {
         reflections_stay_where_they_are_while_the_camera_moves,
         light_in_fog_stays_where_it_is_while_the_camera_moves,
         lamps_have_clean_edges_while_the_camera_moves,
+        textures_have_no_grain_while_the_camera_moves,
         lamps_out_of_focus_are_discs_while_the_camera_moves,
         light_that_is_switched_off_fades_at_once,
         a_still_picture_of_many_samples_is_not_altered,

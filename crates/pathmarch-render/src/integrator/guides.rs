@@ -127,9 +127,14 @@ impl Guide {
 impl Guide {
     /// Factor between radiance and irradiance.
     pub(crate) fn divisor(&self) -> Vec3 {
+        self.factor(self.albedo)
+    }
+
+    /// Factor between irradiance and radiance where the surface has this albedo.
+    pub(crate) fn factor(&self, albedo: Vec3) -> Vec3 {
         match self.class {
             GuideClass::Sky | GuideClass::Glass => Vec3::ONE,
-            GuideClass::Emitter | GuideClass::Surface => self.albedo.max(Vec3::splat(MIN_ALBEDO)),
+            GuideClass::Emitter | GuideClass::Surface => albedo.max(Vec3::splat(MIN_ALBEDO)),
         }
     }
 
@@ -186,7 +191,12 @@ impl Guide {
 
     /// Factor between the radiance that the facets reflect and what is filtered.
     pub(crate) fn reflection_divisor(&self) -> Vec3 {
-        if self.reflected.is_coloured { self.divisor() } else { Vec3::ONE }
+        self.reflected_factor(self.albedo)
+    }
+
+    /// The same where the surface has this albedo.
+    pub(crate) fn reflected_factor(&self, albedo: Vec3) -> Vec3 {
+        if self.reflected.is_coloured { self.factor(albedo) } else { Vec3::ONE }
     }
 }
 

@@ -25,6 +25,7 @@ pub(crate) mod path_reuse;
 pub(crate) mod path_reuse_choice;
 pub(crate) mod path_state;
 pub(crate) mod photons;
+pub(crate) mod pixel_albedo;
 mod probe;
 pub(crate) mod reflected_light;
 pub(crate) mod sample_counts_choice;

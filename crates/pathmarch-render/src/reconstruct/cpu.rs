@@ -18,6 +18,7 @@ use super::{
     temporal,
 };
 use crate::integrator::guides::Guide;
+use crate::integrator::pixel_albedo::TexturedFilm;
 use crate::scene::{FrameUniforms, RenderScene};
 use glam::{Vec3, Vec4Swizzles};
 use rayon::prelude::*;
@@ -153,8 +154,12 @@ impl CpuReconstruction {
             Some((half, _, clean)) => half.interpolated(surfaces, place, clean),
             None => (Vectors::splat(f32x8::ZERO), f32x8::ZERO),
         };
-        let clean = filtered.radiance(surfaces.grid, guides, indirect_light);
         clock.ends("spatial filter");
+        let textured = TexturedFilm { ctx: &input.context(None), guides, samples, first_sample, size };
+        let albedos = options.texture_filter.then(|| textured.albedos()).flatten();
+        clock.ends("albedos of pixels");
+        let clean = filtered.radiance(surfaces.grid, guides, albedos.as_deref(), indirect_light);
+        clock.ends("multiplication by the albedo");
         let emitters =
             options.emitter_edges.then(|| EmitterLayer::new(&input.context(None), guides, size, first_sample));
         let emitters = emitters.flatten();

@@ -1,8 +1,15 @@
 // import: reconstruct/pass
 // Radiance of the filtered light, without emitters. Twin of `without_emitters` in emitters.rs.
 
+/// Albedos of the pixels of the samples, with 1 in w where they are not those of the guides, see pixel_albedo.rs.
+@group(0) @binding(20) var<storage, read> albedos: array<vec4f>;
+
 /// Radiance of a pixel of the samples.
-fn sample_at(pixel: u32, guide: Guide) -> vec3f {
+fn sample_at(pixel: u32, sampled: Guide) -> vec3f {
+    var guide = sampled;
+    if uniforms.has_albedos != 0u && albedos[pixel].w > 0.0 {
+        guide.albedo = albedos[pixel].xyz;
+    }
     if uniforms.has_facets == 0u {
         return estimates[pixel].xyz * divisor(guide);
     }

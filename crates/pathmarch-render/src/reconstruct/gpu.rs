@@ -267,7 +267,10 @@ impl GpuReconstruction {
             has_facets: 0,
             past_has_facets: u32::from(past.is_some_and(|past| past.has_facets)),
             has_emitters: u32::from(film.coverages.is_some()),
+            has_albedos: u32::from(film.albedos.is_some()),
             far: frame.far,
+            padding: 0,
+            more_padding: [0; 2],
         }
     }
 
@@ -300,6 +303,7 @@ impl GpuReconstruction {
                 buffers,
                 facets,
                 coverages: film.coverages,
+                albedos: film.albedos,
                 films: [&buffers.films[self.turn], &buffers.films[1 - self.turn]],
                 turn: self.turn,
             },
@@ -336,7 +340,7 @@ impl GpuReconstruction {
             recorder.run("reflections", &facet_passes.accumulate, &[0, 2, 3, 5, 6, 7, 12, 15], target);
             recorder.filter(&facet_passes.filter, options, target);
         }
-        recorder.run("emitters", &passes.remove_emitters, &[0, 2, 7, 8, 14, 16], target);
+        recorder.run("emitters", &passes.remove_emitters, &[0, 2, 7, 8, 14, 16, 20], target);
         let target = Target { size, ..target };
         recorder.run("anti-aliasing", &passes.antialias, &[0, 2, 3, 7, 9, 10, 12], Target { source: 1, ..target });
         if settles(film.samples) && traced == size {

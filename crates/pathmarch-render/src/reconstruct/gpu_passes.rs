@@ -70,6 +70,10 @@ shared_struct! {
         pub(super) has_emitters: u32,
         /// Far end of all rays, metres.
         pub(super) far: f32,
+        /// Not 0 if pixels have albedos beside those of their samples.
+        pub(super) has_albedos: u32,
+        pub(super) padding: u32,
+        pub(super) more_padding: [u32; 2],
     }
 }
 
@@ -291,6 +295,7 @@ pub(super) struct PassSources<'a> {
     pub(super) buffers: &'a Buffers,
     pub(super) facets: Option<&'a FacetBuffers>,
     pub(super) coverages: Option<&'a wgpu::Buffer>,
+    pub(super) albedos: Option<&'a wgpu::Buffer>,
     /// Those of the present film and of the one before.
     pub(super) films: [&'a FilmBuffers; 2],
     pub(super) turn: usize,
@@ -340,7 +345,9 @@ impl PassSources<'_> {
             16 => self.coverages.unwrap_or(&past.colours),
             17 => &half_present.guides,
             18 => &half.estimates[0],
-            _ => &half.earlier,
+            19 => &half.earlier,
+            // Without textures, nothing reads it.
+            _ => self.albedos.unwrap_or(&past.colours),
         }
     }
 }

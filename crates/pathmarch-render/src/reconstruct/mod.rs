@@ -91,6 +91,8 @@ pub struct ReconstructOptions {
     pub spatial_filter: bool,
     /// Finds the edges of emitters by further camera rays.
     pub emitter_edges: bool,
+    /// Averages textures over pixels.
+    pub texture_filter: bool,
     /// Averages the picture with the last one.
     pub antialiasing: bool,
     /// Shows moving pictures at up to twice the resolution of their samples; needs `antialiasing`.
@@ -106,6 +108,7 @@ impl Default for ReconstructOptions {
             firefly_filter: true,
             spatial_filter: true,
             emitter_edges: true,
+            texture_filter: true,
             antialiasing: true,
             upscaling: true,
             buffer: Buffer::Picture,
@@ -210,7 +213,9 @@ impl Reconstruction {
                 Ok(Some(buffer.unwrap_or_else(|| display.encode_rgba(&picture))))
             }
             Tracer::Gpu(job) => {
-                let Some(film) = job.reconstructed_film(options.emitter_edges.then_some(size))? else {
+                // A lens blurs textures.
+                let averages_textures = options.texture_filter && input.frame.lens_radius == 0.0;
+                let Some(film) = job.reconstructed_film(size, [options.emitter_edges, averages_textures])? else {
                     return Ok(None);
                 };
                 if self.gpu.as_ref().is_none_or(|gpu| !gpu.is_on(film.device)) {

@@ -212,12 +212,13 @@ impl Filtered {
         colours_of(&self.base, place)
     }
 
-    /// Radiance of all pixels, which have these guides. `indirect` gives the indirect irradiance of eight pixels, and the mask of
-    /// those where it is known; the others keep their own.
+    /// Radiance of all pixels, which have these guides, and these albedos if they differ from those of the guides. `indirect`
+    /// gives the indirect irradiance of eight pixels, and the mask of those where it is known; the others keep their own.
     pub(super) fn radiance(
         &self,
         grid: Grid,
         guides: &[Guide],
+        albedos: Option<&[Vec3]>,
         indirect: impl Fn(Place) -> (Vectors, f32x8) + Sync,
     ) -> Vec<Vec3> {
         by_eight(grid, |place| {
@@ -227,14 +228,17 @@ impl Filtered {
             let indices = place.indices(grid);
             std::array::from_fn(|lane| {
                 let guide = &guides[indices[lane]];
-                let divisor = guide.divisor();
-                let of_facets = reflected.map_or(Vec3::ZERO, |reflected| reflected[lane] * guide.reflection_divisor());
+                let albedo = albedos.map_or(guide.albedo, |albedos| albedos[indices[lane]]);
+                let of_facets = match reflected {
+                    Some(reflected) => reflected[lane] * guide.reflected_factor(albedo),
+                    None => Vec3::ZERO,
+                };
                 let scattered = match guide.class {
-                    GuideClass::Surface if are_known >> lane & 1 == 1 => light[lane] * divisor,
-                    GuideClass::Surface => guide.indirect,
+                    GuideClass::Surface if are_known >> lane & 1 == 1 => light[lane],
+                    GuideClass::Surface => guide.indirect / guide.divisor(),
                     _ => Vec3::ZERO,
                 };
-                base[lane] * divisor + of_facets + scattered
+                (base[lane] + scattered) * guide.factor(albedo) + of_facets
             })
         })
     }

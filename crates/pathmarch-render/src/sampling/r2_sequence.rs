@@ -10,10 +10,24 @@
 //! the inverse of the plastic number and of its square; thresholds are multiples of the golden ratio.
 
 use super::sobol::unit;
+use crate::wgsl::shared_constants;
+
+shared_constants! {
+    /// Steps of the sequence along x and y, in parts of 2^32.
+    const R2_STEP_X: u32 = 3_242_174_889;
+    const R2_STEP_Y: u32 = 2_447_445_413;
+}
 
 /// Position of a sample in its pixel, in pixels from the top left corner.
 pub(crate) fn sample_2d(sample: u32) -> [f32; 2] {
-    [3_242_174_889, 2_447_445_413].map(|step| unit(sample.wrapping_mul(step).wrapping_add(0x8000_0000)))
+    point(sample, [0x8000_0000; 2])
+}
+
+/// Point of the sequence from this start, in parts of 2^32; both coordinates are from 0 to 1.
+#[inline]
+pub(crate) fn point(index: u32, start: [u32; 2]) -> [f32; 2] {
+    let [x, y] = [R2_STEP_X, R2_STEP_Y].map(|step| index.wrapping_mul(step));
+    [unit(x.wrapping_add(start[0])), unit(y.wrapping_add(start[1]))]
 }
 
 /// Blend weight above which the second material is the one with the larger weight.

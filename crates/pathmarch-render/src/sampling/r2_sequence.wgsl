@@ -12,7 +12,7 @@ fn pixel_sampler(x: u32, y: u32, sample: u32, seed: u32) -> PixelSampler {
 
 /// Position of a sample in its pixel, the same for every pair of dimensions.
 fn sample_2d(sampler: PixelSampler, pair: u32) -> vec2f {
-    let point = vec2u(sampler.sample) * vec2u(3242174889u, 2447445413u) + vec2u(0x80000000u);
+    let point = vec2u(sampler.sample) * vec2u(R2_STEP_X, R2_STEP_Y) + vec2u(0x80000000u);
     return vec2f(point >> vec2u(8u)) / 16777216.0;
 }
 

@@ -3,8 +3,9 @@
 use super::flag_if;
 use super::light::Light;
 use crate::wgsl::{shared_constants, shared_struct};
-use pathmarch_scene::Scene;
+use pathmarch_scene::materials::{TexturedParameter, Texturing};
 use pathmarch_scene::textures::Pattern;
+use pathmarch_scene::{Material, Scene};
 use std::collections::HashMap;
 
 shared_struct! {
@@ -16,8 +17,8 @@ shared_struct! {
         pub(crate) material: u32,
         /// Origin of the local coordinates, in world space.
         pub(crate) origin: [f32; 3],
-        /// [`SHEET`], [`ANALYTIC`], [`IN_GLASS`], [`MESH_FIELD`], [`TWO_SIDED`] and [`FRACTAL`]. The bits from [`LIGHT_SHIFT`]
-        /// on are one more than the index of its light, or zero.
+        /// [`SHEET`], [`ANALYTIC`], [`IN_GLASS`], [`MESH_FIELD`], [`TWO_SIDED`], [`FRACTAL`] and [`TEXTURED_IN_SPACE`]. The bits
+        /// from [`LIGHT_SHIFT`] on are one more than the index of its light, or zero.
         pub(crate) flags: u32,
     }
 }
@@ -35,8 +36,10 @@ shared_constants! {
     pub(crate) const TWO_SIDED: u32 = 16;
     /// Fractal, whose surface is rough from pixel to pixel.
     pub(crate) const FRACTAL: u32 = 32;
+    /// Surface whose base colour depends on its position, not on texture coordinates or an orbit, nor on a decal.
+    pub(crate) const TEXTURED_IN_SPACE: u32 = 64;
     /// First bit of the light index in the flags.
-    pub(crate) const LIGHT_SHIFT: u32 = 6;
+    pub(crate) const LIGHT_SHIFT: u32 = 7;
 }
 
 impl LeafRecord {
@@ -65,6 +68,16 @@ fn is_mesh_field(scene: &Scene, leaf: &pathmarch_field::graph::Leaf) -> bool {
     mesh.is_some_and(|mesh| mesh.tags().len() > 1 || has_uvs(leaf.tag))
 }
 
+/// Reports whether textures of the position vary the base colour of a material, and nothing else does.
+fn is_textured_in_space(material: &Material) -> bool {
+    let is_base =
+        |textured: &&TexturedParameter| material.kind.params[textured.param].texturing == Texturing::Colour(0);
+    let mut textures = material.textured.iter().filter(is_base).map(|textured| &textured.texture.pattern).peekable();
+    textures.peek().is_some()
+        && textures.all(|pattern| !matches!(pattern, Pattern::UvPicture { .. }))
+        && material.decals.is_empty()
+}
+
 /// Records of all leaves.
 pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
     let field = &scene.field;
@@ -74,8 +87,10 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
     for leaf in field.leaves() {
         in_glass[leaf.object as usize] |= scene.materials[leaf.tag as usize].transmits();
     }
+    let textured_in_space: Vec<bool> = scene.materials.iter().map(is_textured_in_space).collect();
     let record = |(index, leaf): (usize, &pathmarch_field::graph::Leaf)| {
         let light = light_of_leaf.get(&(index as u32)).map_or(0, |light| light + 1);
+        let (is_textured, is_mesh_field) = (textured_in_space[leaf.tag as usize], is_mesh_field(scene, leaf));
         LeafRecord {
             facing: leaf.pose.axes[1],
             material: leaf.tag,
@@ -84,8 +99,9 @@ pub(super) fn records(scene: &Scene, lights: &[Light]) -> Vec<LeafRecord> {
             flags: flag_if(SHEET, leaf.shape.info().sheet && !leaf.modified)
                 | flag_if(ANALYTIC, field.is_analytic_leaf(index))
                 | flag_if(IN_GLASS, in_glass[leaf.object as usize])
-                | flag_if(MESH_FIELD, is_mesh_field(scene, leaf))
+                | flag_if(MESH_FIELD, is_mesh_field)
                 | flag_if(FRACTAL, leaf.shape.has_orbit())
+                | flag_if(TEXTURED_IN_SPACE, is_textured && !is_mesh_field && !leaf.shape.has_orbit())
                 | flag_if(
                     TWO_SIDED,
                     (leaf.is_triangles() || leaf.is_lit_by_field()) && !in_glass[leaf.object as usize],

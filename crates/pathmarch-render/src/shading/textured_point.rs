@@ -155,6 +155,18 @@ impl<'p> TexturedPoint<'p> {
         found
     }
 
+    /// Colours of the material, as [`colour`](Self::colour), at these offsets from the point, in world space. The coordinates of the
+    /// shape are taken to be as straight as at the point.
+    pub(crate) fn colours_beside(mut self, offsets: impl Iterator<Item = Vec3>) -> impl Iterator<Item = Vec3> {
+        let (local, world) = (self.spot.p, self.world_spot.p);
+        let [x, y, z] = self.coordinates.gradients.map(|g| Vec3::new(g.x, g.y, g.z));
+        offsets.filter_map(move |offset| {
+            self.spot.p = local + Vec3::new(x.dot(offset), y.dot(offset), z.dot(offset));
+            self.world_spot.p = world + offset;
+            self.colour()
+        })
+    }
+
     /// Parameters of the preview material at this point.
     pub(crate) fn preview(&self, preview: PreviewParameters) -> PreviewParameters {
         let mut parameters = preview;

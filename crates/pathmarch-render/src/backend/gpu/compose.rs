@@ -73,6 +73,8 @@ pub(super) enum KernelKind {
     EmitterEdges,
     /// Coverage of pixels by emitters, from the guides of a live picture.
     EmitterCoverage,
+    /// Albedos of pixels, from the guides of a live picture.
+    PixelAlbedo,
 }
 
 /// Source of a picture's kernel in WGSL.
@@ -117,6 +119,7 @@ pub(super) fn kernel(
     let entry = match kind {
         KernelKind::EmitterEdges => "backend/gpu/emitter_edges",
         KernelKind::EmitterCoverage => "backend/gpu/emitter_coverage",
+        KernelKind::PixelAlbedo => "backend/gpu/pixel_albedo",
         KernelKind::Samples if input.config.path_reuse => "backend/gpu/trace_tiles",
         KernelKind::Samples if bindings.pixels_per_lane > 1 => "backend/gpu/trace_pixels",
         KernelKind::Samples => "backend/gpu/trace",

@@ -7,17 +7,19 @@
 use super::GpuContext;
 use super::bindings;
 use super::display::DisplayBuffers;
-use super::emitter_coverage::CoveragePass;
 use super::encode::LightRecord;
 use super::kernel_cache::{Kernel, KernelSource};
 use super::loop_limit::{self, SuspendedPaths};
+use super::pixel_pass::PixelPass;
 use super::slice::{BAND, MAX_GROUPS_ACROSS, Progress, Slice};
 use super::table_memory::{FilmMemory, Table};
 use super::timer::GpuTimer;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
+use crate::integrator::emitter_coverage::COVERAGES_PER_GROUP;
 use crate::integrator::emitter_edges::{EDGES_PER_GROUP, EmitterEdges};
 use crate::integrator::guides::FILM_SAMPLES;
+use crate::integrator::pixel_albedo::ALBEDOS_PER_GROUP;
 use crate::integrator::splitting;
 use crate::mode::Mode;
 use crate::output::film::Film;
@@ -47,7 +49,9 @@ pub(crate) struct GpuJob {
     /// Kernel for the edges of emitters, and the edges.
     edges: Option<(Arc<Kernel>, Arc<EmitterEdges>)>,
     /// Coverage by emitters, if guides are recorded.
-    coverage: Option<CoveragePass>,
+    coverage: Option<PixelPass>,
+    /// Albedos of pixels, if guides are recorded.
+    albedos: Option<PixelPass>,
     bindings: wgpu::BindGroup,
     frame: wgpu::Buffer,
     /// True if the kernel contains the frame.
@@ -156,6 +160,8 @@ pub(crate) struct ReconstructedFilm<'a> {
     pub(crate) guides: &'a wgpu::Buffer,
     /// Coverages of the pixels of the picture by emitters; `None` if they are not wanted, or if it cannot show any.
     pub(crate) coverages: Option<&'a wgpu::Buffer>,
+    /// Albedos of the pixels of the samples; `None` if they are not wanted, or if they are those of the samples.
+    pub(crate) albedos: Option<&'a wgpu::Buffer>,
     /// Samples of every pixel.
     pub(crate) samples: u32,
     /// Further samples of the pixels above `row`, and in the eight rows from there of those left of `column`.
@@ -196,8 +202,9 @@ impl GpuJob {
             (Some(code), Some(edges)) => Some((device.kernels.compile(&device, source, code)?, edges.clone())),
             _ => None,
         };
-        let coverage_kernel =
-            source.coverage.as_ref().map(|code| device.kernels.compile(&device, source, code)).transpose()?;
+        let compiled =
+            |code: &Option<String>| code.as_ref().map(|code| device.kernels.compile(&device, source, code)).transpose();
+        let [coverage, albedos] = [compiled(&source.coverage)?, compiled(&source.albedos)?];
         let gpu = &device.device;
         let validation = gpu.push_error_scope(wgpu::ErrorFilter::Validation);
         let out_of_memory = gpu.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
@@ -296,21 +303,24 @@ impl GpuJob {
             offset: photon_offset as u64,
             capacity: photon_bytes,
         });
-        let coverage = coverage_kernel.map(|kernel| {
+        let pass = |label, kernel, pixels_per_group| {
             let buffer = |binding| move |buffer| (binding, Table::Buffer(buffer));
             let mut tables = tables.to_vec();
             tables.push(buffer(bindings::FRAME)(frame.clone()));
             tables.extend(light_tree.clone().map(buffer(bindings::LIGHT_TREE)));
             tables.extend(guides.clone().map(buffer(bindings::GUIDES)));
             tables.retain(|(binding, _)| used.contains(binding));
-            CoveragePass { kernel, tables, slices: slices.clone(), coverages: None }
-        });
+            PixelPass { label, kernel, pixels_per_group, tables, slices: slices.clone(), vectors: None }
+        };
+        let coverage = coverage.map(|kernel| pass("coverage", kernel, COVERAGES_PER_GROUP));
+        let albedos = albedos.map(|kernel| pass("albedos of pixels", kernel, ALBEDOS_PER_GROUP));
         let may_resume = input.mode.traces_paths() && input.config.splitting == 1;
         let mut job = Self {
             device,
             kernel,
             edges,
             coverage,
+            albedos,
             bindings: bind_group,
             frame,
             frame_is_constant: source.bindings.frame_is_constant(),
@@ -391,22 +401,24 @@ impl GpuJob {
         pass.show(&self.device, buffers, self.size, self.submitted, display, mode)
     }
 
-    /// Film so far, if its guides are recorded; with coverages for a picture of this size, if one is given. Waits for all
-    /// submissions.
+    /// Film so far, if its guides are recorded, for a picture of this size; with coverages by emitters and albedos of pixels, if
+    /// they are wanted. Waits for all submissions.
     pub(crate) fn reconstructed_film(
         &mut self,
-        covered: Option<[u32; 2]>,
+        size: [u32; 2],
+        [wants_coverages, wants_albedos]: [bool; 2],
     ) -> Result<Option<ReconstructedFilm<'_>>, RenderError> {
         self.wait()?;
-        let coverage = self.coverage.as_mut().filter(|_| self.guides.is_some());
-        let coverages = match (coverage, covered) {
-            (Some(pass), Some(size)) => Some(pass.start(&self.device, size, self.first_sample)?),
-            _ => None,
-        };
         let Progress { samples, begun, row, column } = self.submitted;
         let (device, film) = (&self.device, &self.film.buffer);
-        let of = |guides| ReconstructedFilm { device, film, guides, coverages, samples, begun, row, column };
-        Ok(self.guides.as_ref().map(of))
+        let Some(guides) = self.guides.as_ref() else { return Ok(None) };
+        let [columns, rows] = size;
+        let slice = Slice { sample: self.first_sample, samples: samples.max(1), columns, rows, ..Slice::zeroed() };
+        let coverage = self.coverage.as_mut().filter(|_| wants_coverages);
+        let coverages = coverage.map(|pass| pass.start(device, size, &slice)).transpose()?;
+        let albedos = self.albedos.as_mut().filter(|_| wants_albedos);
+        let albedos = albedos.map(|pass| pass.start(device, self.size, &slice)).transpose()?;
+        Ok(Some(ReconstructedFilm { device, film, guides, coverages, albedos, samples, begun, row, column }))
     }
 
     /// Submits slices; a `round` after the first resumes their suspended paths.

@@ -6,6 +6,7 @@ use super::device::{Device, KernelTarget};
 use super::encode::SceneData;
 use crate::backend::RenderInput;
 use crate::error::RenderError;
+use crate::integrator::pixel_albedo;
 use crate::scene::MaterialRecord;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -21,6 +22,9 @@ pub(crate) struct KernelSource {
     /// Source of the kernel for coverage by emitters, if a live picture may show some. It has the same bindings, but writes
     /// coverages instead of the film.
     pub(super) coverage: Option<String>,
+    /// Source of the kernel for albedos of pixels, if textures may be finer than these. It has the same bindings, but writes
+    /// albedos instead of the film.
+    pub(super) albedos: Option<String>,
     pub(super) parameters: Vec<[f32; 4]>,
     pub(super) data: SceneData,
     pub(crate) bindings: Bindings,
@@ -47,7 +51,10 @@ impl KernelSource {
         let has_emitters = input.scene.materials.iter().any(MaterialRecord::emits);
         let shows_emitters = bindings.has_guides && !input.config.media && has_emitters;
         let coverage = shows_emitters.then(|| source(KernelKind::EmitterCoverage));
-        Self { code, edges, coverage, parameters: program.parameters, data, bindings, trusted }
+        let has_fine_textures =
+            bindings.has_guides && !input.config.media && pixel_albedo::has_fine_textures(&input.scene);
+        let albedos = has_fine_textures.then(|| source(KernelKind::PixelAlbedo));
+        Self { code, edges, coverage, albedos, parameters: program.parameters, data, bindings, trusted }
     }
 
     /// True if the device has compiled this kernel and dispatched it once.

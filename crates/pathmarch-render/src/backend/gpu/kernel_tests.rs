@@ -215,7 +215,7 @@ fn scene_of(features: &[&Feature], path: &str) -> Scene {
 
 /// Kernel sources of a scene in a mode. With four paths for each camera ray, pixels share light where that is possible, and
 /// numbers are constants. Where a path starts alone, there are also a kernel for coverage by emitters if the scene has any, one
-/// that records guides while pixels share light, one that samples several lights, and one for edges of emitters.
+/// for albedos of pixels if it has textures, one that records guides while pixels share light, one that samples several lights, and one for edges of emitters.
 fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) -> Vec<String> {
     let settings = Settings { size: [8, 8], mode, splitting, path_reuse: Some(true), ..Settings::of(scene) };
     let mut input = RenderInput::new(scene, &settings).with_guides();
@@ -224,7 +224,8 @@ fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) ->
         input.config.constant_numbers = true;
     }
     let source = KernelSource::for_target(&input, KernelTarget::new(software));
-    let mut sources: Vec<String> = [Some(source.code), source.coverage].into_iter().flatten().collect();
+    let sources = [Some(source.code), source.coverage, source.albedos];
+    let mut sources: Vec<String> = sources.into_iter().flatten().collect();
     if !software && input.records_guides() && input.can_reuse_paths(&settings) {
         input.config.path_reuse = true;
         sources.push(KernelSource::for_target(&input, KernelTarget::new(software)).code);

@@ -6,13 +6,13 @@ mod compose;
 mod context;
 mod device;
 mod display;
-mod emitter_coverage;
 mod encode;
 mod job;
 mod kernel_cache;
 #[cfg(test)]
 mod kernel_tests;
 mod loop_limit;
+mod pixel_pass;
 pub(crate) mod shaders;
 mod slice;
 mod table_memory;

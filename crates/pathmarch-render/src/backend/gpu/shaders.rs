@@ -9,12 +9,12 @@ use super::loop_limit::SuspendedPath;
 use super::slice::{self, Slice};
 use crate::integrator::{
     emitter_coverage, emitter_edges, first_mirror, guides, lens_targets, light_sampling, media_segment, medium,
-    medium_light, participating_media, path_reuse, path_state, reflected_light, shadow, splitting,
+    medium_light, participating_media, path_reuse, path_state, pixel_albedo, reflected_light, shadow, splitting,
 };
 use crate::intersect::march;
 use crate::preview::{self, soft_shadow};
 use crate::preview_steps;
-use crate::sampling::{self, sobol::pair};
+use crate::sampling::{self, r2_sequence, sobol::pair};
 use crate::scene::light as scene_light;
 use crate::scene::medium as scene_medium;
 use crate::scene::{
@@ -60,6 +60,9 @@ static FILES: &[ShaderFile] = shader_files![
     "backend/gpu/lanes",
     "backend/gpu/loop_limit" shares declaration::<SuspendedPath>,
     "backend/gpu/loops_unlimited",
+    "backend/gpu/pixel_albedo" shares || {
+        [pixel_albedo::shared_wgsl(), r2_sequence::shared_wgsl(), slice::shared_wgsl()].concat()
+    },
     "backend/gpu/sample",
     "backend/gpu/sample_resumed",
     "backend/gpu/trace",
@@ -116,7 +119,9 @@ static FILES: &[ShaderFile] = shader_files![
     },
     "preview/soft_shadow" shares soft_shadow::shared_wgsl,
     "sampling/basis",
-    "sampling/r2_sequence" shares || pair::shared_wgsl() + &sampling::shared_wgsl(),
+    "sampling/r2_sequence" shares || {
+        [pair::shared_wgsl(), r2_sequence::shared_wgsl(), sampling::shared_wgsl()].concat()
+    },
     "sampling/sobol" shares || pair::shared_wgsl() + &sampling::shared_wgsl() + &encode::samplers_wgsl(),
     "sampling/unit_circle",
     "shading/mesh_fields",

@@ -15,6 +15,7 @@ fn reconstruction_stages(ui: &mut Ui, options: &mut ReconstructOptions) {
         firefly_filter,
         spatial_filter,
         emitter_edges,
+        texture_filter,
         antialiasing,
         upscaling,
         buffer,
@@ -28,6 +29,7 @@ fn reconstruction_stages(ui: &mut Ui, options: &mut ReconstructOptions) {
         ),
         (spatial_filter, "spatial filter", "Averages neighbours on the same surface."),
         (emitter_edges, "edges of emitters", "Finds the edges of lamps by further camera rays."),
+        (texture_filter, "texture filter", "Averages textures over the pixels."),
         (antialiasing, "anti-aliasing", "Averages the picture with the last one."),
         (upscaling, "upscaling", "Shows the moving picture at up to twice the resolution of its samples."),
     ] {

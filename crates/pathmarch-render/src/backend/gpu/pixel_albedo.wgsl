@@ -1,0 +1,82 @@
+// import: backend/gpu/buffers, integrator/guide, integrator/light_sampling, guides, sampler, textures, texture_target
+// Entry point: albedos of the pixels of a live picture, in place of the film; 1 in w where it is not that of the samples. Twin
+// of pixel_albedo.rs, which explains them.
+
+/// Albedo of the samples of a pixel.
+fn sampled_albedo(pixel: u32) -> vec3f {
+    return bitcast<vec3f>(vec3u(guides[4u * pixel + 1u].zw, guides[4u * pixel + 2u].w));
+}
+
+/// True if the samples of two neighbouring pixels show different parts of one texture.
+fn differ(here: u32, beside: u32) -> bool {
+    let a = sampled_albedo(here);
+    let b = sampled_albedo(beside);
+    let apart = abs(a - b);
+    let larger = max(a, b);
+    let differs = max(max(apart.x, apart.y), apart.z) > ALBEDO_CONTRAST * max(max(larger.x, larger.y), larger.z);
+    return differs && guides[4u * here + 2u].z == guides[4u * beside + 2u].z;
+}
+
+/// True if the texture of a pixel may be finer than it is.
+fn has_fine_texture(pixel: u32) -> bool {
+    let words = guides[4u * pixel + 2u];
+    let is_surface = (words.x >> CLASS_SHIFT) == GUIDE_SURFACE && (words.y & MIXED_BIT) == 0u;
+    if !is_surface || (words.z & MIRROR_BIT) != 0u || (leaf_at(words.z).flags & TEXTURED_IN_SPACE) == 0u {
+        return false;
+    }
+    let size = vec2i(i32(frame.width), i32(frame.height));
+    let here = vec2i(i32(pixel) % size.x, i32(pixel) / size.x);
+    var differs = false;
+    for (var k = 0; k < 9; k++) {
+        let beside = here + vec2i(k % 3 - 1, k / 3 - 1);
+        if all(beside >= vec2i(0)) && all(beside < size) {
+            differs = differs || differ(pixel, u32(beside.y * size.x + beside.x));
+        }
+    }
+    return differs;
+}
+
+/// Point of the sequence R2 from this start, in parts of 2^32; both coordinates are from 0 to 1.
+fn r2_point(index: u32, start: vec2u) -> vec2f {
+    return vec2f((vec2u(index) * vec2u(R2_STEP_X, R2_STEP_Y) + start) >> vec2u(8u)) / 16777216.0;
+}
+
+@compute @workgroup_size(64)
+fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    load_frame();
+    let pixel = ALBEDOS_PER_GROUP * (group.y * MAX_GROUPS_ACROSS + group.x) + lane;
+    if pixel >= frame.width * frame.height {
+        return;
+    }
+    if !has_fine_texture(pixel) {
+        store_film(pixel, vec4f(0.0));
+        return;
+    }
+    let size = vec2f(f32(slice.columns), f32(slice.rows));
+    let position = bitcast<vec3f>(guides[4u * pixel].xyz);
+    let normal = from_octahedral(unpack2x16snorm(guides[4u * pixel + 1u].x));
+    let leaf = guides[4u * pixel + 2u].z;
+    let towards = position - frame.position;
+    let depth = dot(towards, frame.forward);
+    let across = dot(towards, frame.right) / (dot(frame.right, frame.right) * depth);
+    let upwards = dot(towards, frame.up) / (dot(frame.up, frame.up) * depth);
+    // Of an enlarged picture, the pixel in which the sample is.
+    let corner = floor(vec2f(across + 1.0, 1.0 - upwards) * 0.5 * size);
+    let start = hash(pixel);
+    let samples = f32(slice.samples);
+    var sum = vec4f(sampled_albedo(pixel) * samples, samples);
+    for (var k = 0u; k < ALBEDO_POINTS; k++) {
+        let point = r2_point(slice.sample * ALBEDO_POINTS + k, vec2u(start, hash(start)));
+        let place = (point + corner) * (2.0 / size);
+        let view = frame.forward + frame.right * (place.x - 1.0) + frame.up * (1.0 - place.y);
+        let scale = dot(towards, normal) / dot(view, normal);
+        // Nothing is beyond the horizon.
+        if scale > 0.0 && length(view) * scale < frame.far {
+            let p = frame.position + view * scale;
+            let m = leaf_at(leaf).material;
+            evaluate_textures(m, SurfaceInteraction(p, leaf, normal, false, NO_TRIANGLE, false, 0.0), length(towards));
+            sum += vec4f(packed(m, 0u).xyz, 1.0);
+        }
+    }
+    store_film(pixel, vec4f(sum.xyz / sum.w, 1.0));
+}
