@@ -4,9 +4,13 @@
 use crate::random::Random;
 use glam::Vec3;
 use pathmarch_field::Placement;
+use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_scene::materials::{TextureMapping, Texturing, kinds};
-use pathmarch_scene::textures::{self, MeshAttributes, Pattern, Ramp, Spot, Texture, TextureKind, TextureParameters};
+use pathmarch_scene::textures::{
+    self, MeshAttributes, Pattern, Place, Ramp, Spot, Texture, TextureKind, TextureParameters,
+};
 use pathmarch_scene::{Material, Scene};
+use wide::f32x8;
 
 fn spot(p: Vec3) -> Spot {
     Spot { p, normal: Vec3::Z, footprint: 0.0, attributes: MeshAttributes::default() }
@@ -45,6 +49,42 @@ fn values_are_between_0_and_1_and_spread_over_them() {
 }
 
 #[test]
+fn eight_spots_have_the_values_of_each() {
+    let turned = Placement {
+        at: Some([0.3, -0.2, 1.0]),
+        rotate: Some([10.0, 40.0, 0.0]),
+        scale: Some(2.0),
+        ..Placement::default()
+    };
+    let ramps = [
+        Ramp::even(vec![[0.1, 0.2, 0.3], [0.9, 0.5, 0.1]]),
+        Ramp::even(vec![[0.0; 3], [1.0, 0.5, 0.2], [0.3; 3]]),
+        Ramp { colours: vec![[0.0; 3], [1.0; 3]], positions: Some(vec![0.4, 0.6]) },
+    ];
+    let mut random = Random(4);
+    for (kind, placement) in textures::kinds().iter().flat_map(|kind| [(kind, Placement::default()), (kind, turned)]) {
+        let texture = texture(kind, placement);
+        let spot = Spot { normal: random.point(1.0).normalize(), ..spot(Vec3::ZERO) };
+        for reach in [0.2, 5.0, 1e6] {
+            let points: [Vec3; 8] = std::array::from_fn(|_| random.point(reach));
+            let [x, y, z] = [0, 1, 2].map(|k| f32x8::from(points.map(|p| p[k])));
+            let values = texture.values(&spot, FieldVec3::new(x, y, z));
+            let colours = texture.colours(&spot, FieldVec3::new(x, y, z));
+            let of_ramps = ramps.each_ref().map(|ramp| ramp.colours(values));
+            for (lane, p) in points.into_iter().enumerate() {
+                let at = Spot { p, ..spot };
+                let value = texture.value(&at);
+                assert!((values.to_array()[lane] - value).abs() < 1e-4, "{} at {p}: {values} and {value}", kind.name);
+                assert!((colours.y.to_array()[lane] - texture.colour(&at).y).abs() < 1e-4, "{} at {p}", kind.name);
+                for (ramp, colours) in ramps.iter().zip(of_ramps) {
+                    assert!((colours.z.to_array()[lane] - ramp.colour(value)[2]).abs() < 1e-3, "{} at {p}", kind.name);
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn those_without_edges_do_not_jump() {
     for kind in textures::kinds().iter().filter(|kind| !["checker", "cells"].contains(&kind.name)) {
         let texture = texture(kind, Placement::default());
@@ -67,7 +107,7 @@ fn a_seed_is_another_one() {
         let Some(seed) = kind.params.iter().position(|param| &*param.name == "seed") else { continue };
         let mut random = Random(3);
         let differing = (0..1000).filter(|_| {
-            let at = spot(random.point(2.0));
+            let at = Place { p: random.point(2.0).into(), normal: Vec3::Z.into() };
             let mut numbers = defaults(kind);
             let first = (kind.value)(&at, &numbers);
             numbers[seed] = 12.0;

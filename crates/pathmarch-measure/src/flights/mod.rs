@@ -11,6 +11,7 @@ mod flight;
 
 use crate::denoise::parse_denoiser;
 use crate::measure::Interrupt;
+use clap::ValueEnum;
 use compare::{compare, difference, enlarged, relmse_of_short_histories, shown, temporal_error};
 use flight::{FPS, FRAMES, Flight, MOVING_FRAMES};
 use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, outln, value_parsers};
@@ -51,6 +52,9 @@ pub struct Arguments {
     /// Compare every so many frames, and the last one
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = value_parsers::whole((1, FRAMES)), allow_hyphen_values = true)]
     every: u32,
+    /// Leave stages of reconstruction out
+    #[arg(long, value_name = "STAGE", value_enum)]
+    without: Vec<Stage>,
     /// Let pixels share light at rest, as live pictures on the CPU do where that pays
     #[arg(long)]
     path_reuse: bool,
@@ -69,6 +73,31 @@ pub struct Arguments {
 }
 
 type SizeArgument = [u32; 2];
+
+/// Stage of reconstruction that can be left out.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Stage {
+    Reprojection,
+    FireflyFilter,
+    SpatialFilter,
+    EmitterEdges,
+    TextureFilter,
+    Antialiasing,
+}
+
+/// All stages of reconstruction without these.
+fn options(without: &[Stage]) -> ReconstructOptions {
+    let has = |stage: Stage| !without.contains(&stage);
+    ReconstructOptions {
+        reprojection: has(Stage::Reprojection),
+        firefly_filter: has(Stage::FireflyFilter),
+        spatial_filter: has(Stage::SpatialFilter),
+        emitter_edges: has(Stage::EmitterEdges),
+        texture_filter: has(Stage::TextureFilter),
+        antialiasing: has(Stage::Antialiasing),
+        ..ReconstructOptions::default()
+    }
+}
 
 /// Seed of all frames in motion.
 const MOVING_SEED: u32 = 77;
@@ -185,7 +214,7 @@ fn milliseconds(seconds: &[f64]) -> String {
 
 fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let mut course = Course::new(flight, arguments)?;
-    let mut sequence = Sequence::new(&course.renderer, ReconstructOptions::default());
+    let mut sequence = Sequence::new(&course.renderer, options(&arguments.without));
     let (mut flicker, mut times) = (Vec::new(), [Vec::new(), Vec::new()]);
     let mut passes = BTreeMap::new();
     let mut last: Option<Frame> = None;

@@ -11,7 +11,7 @@
 //! **Source.** Points of a pixel: the sequence R2, see [`r2_sequence`].
 
 use super::guides::{Guide, GuideClass, NO_LEAF};
-use crate::intersect::ray::{lanes, unpack};
+use crate::intersect::ray::lanes;
 use crate::sampling::r2_sequence;
 use crate::sampling::sobol::hash;
 use crate::scene::leaf::TEXTURED_IN_SPACE;
@@ -19,7 +19,7 @@ use crate::scene::{FrameUniforms, RenderScene, TraceContext};
 use crate::shading::textured_point::TexturedPoint;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
-use pathmarch_field::number::Vec3 as FieldVec3;
+use pathmarch_field::number::{Mask8, Vec3 as FieldVec3};
 use pathmarch_scene::textures::MeshAttributes;
 use rayon::prelude::*;
 use wide::f32x8;
@@ -64,7 +64,7 @@ impl TexturedFilm<'_> {
         Some((0..self.guides.len()).into_par_iter().with_min_len(512).map(albedo).collect())
     }
 
-    /// True if the texture of a pixel may be finer than it is.
+    /// True if the texture of a pixel may be finer than it is: its sample and one beside it on the same surface differ.
     fn has_fine_texture(&self, index: usize) -> bool {
         let here = &self.guides[index];
         if here.class != GuideClass::Surface || here.is_mixed || here.leaf == NO_LEAF {
@@ -79,7 +79,8 @@ impl TexturedFilm<'_> {
         let mut around = rows.flat_map(|y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x));
         around.any(|beside| {
             let there = &self.guides[beside as usize];
-            there.leaf == here.leaf && differ(there.albedo, here.albedo)
+            let contrast = (there.albedo - here.albedo).abs().max_element();
+            there.leaf == here.leaf && contrast > ALBEDO_CONTRAST * there.albedo.max(here.albedo).max_element()
         })
     }
 
@@ -88,33 +89,28 @@ impl TexturedFilm<'_> {
         let Self { ctx, samples, first_sample, size, .. } = *self;
         let guide = &self.guides[index];
         let hit = (guide.position, guide.normal, MeshAttributes::default());
-        let Some(point) = TexturedPoint::at(ctx, guide.leaf as usize, hit, guide.length) else { return guide.albedo };
+        let point = TexturedPoint::at(ctx, guide.leaf as usize, hit, guide.length);
         let start = hash(index as u32);
-        let points: [[f32; 2]; ALBEDO_POINTS as usize] = std::array::from_fn(|k| {
+        let places: [[f32; 2]; ALBEDO_POINTS as usize] = std::array::from_fn(|k| {
             r2_sequence::point(first_sample.wrapping_mul(ALBEDO_POINTS).wrapping_add(k as u32), [start, hash(start)])
         });
-        let offsets = offsets_in_pixel(ctx.frame, size, guide, [0, 1].map(|k| lanes(|lane| points[lane][k])));
-        let (mut sum, mut count) = (guide.albedo * samples as f32, samples as f32);
-        for colour in point.colours_beside(offsets) {
-            (sum, count) = (sum + colour, count + 1.0);
-        }
-        sum / count
+        let (offsets, are_seen) =
+            offsets_in_pixel(ctx.frame, size, guide, [0, 1].map(|k| lanes(|lane| places[lane][k])));
+        let Some(colours) = point.and_then(|point| point.colours_beside(offsets)) else { return guide.albedo };
+        let sum_of = |channel: f32x8| (are_seen & channel).reduce_add();
+        let sum = Vec3::new(sum_of(colours.x), sum_of(colours.y), sum_of(colours.z));
+        (guide.albedo * samples as f32 + sum) / (samples as f32 + sum_of(f32x8::ONE))
     }
 }
 
-/// True if the albedos of two samples differ so much that the texture may be finer than their pixels.
-fn differ(a: Vec3, b: Vec3) -> bool {
-    (a - b).abs().max_element() > ALBEDO_CONTRAST * a.max(b).max_element()
-}
-
 /// Offsets from a pixel's position to those points of the plane that touches its surface which eight points of the pixel show,
-/// with coordinates from 0 to 1, in a picture of this size; without those beyond the horizon.
+/// with coordinates from 0 to 1, in a picture of this size; and the mask of those that are not beyond the horizon.
 fn offsets_in_pixel(
     frame: &FrameUniforms,
     size: [u32; 2],
     guide: &Guide,
     [x, y]: [f32x8; 2],
-) -> impl Iterator<Item = Vec3> {
+) -> (FieldVec3<f32x8>, f32x8) {
     let [position, right, up, forward] = [frame.position, frame.right, frame.up, frame.forward].map(Vec3::from);
     let size = size.map(|side| side as f32);
     let towards = guide.position - position;
@@ -128,10 +124,9 @@ fn offsets_in_pixel(
     let vector = |v: Vec3| FieldVec3::<f32x8>::constant(v.into());
     let view = vector(forward) + vector(right) * across + vector(up) * upwards;
     let scale = f32x8::splat(towards.dot(guide.normal)) / view.dot(vector(guide.normal));
-    let far = f32x8::splat(frame.far);
-    let are_seen = (scale.simd_gt(f32x8::ZERO) & (view.length() * scale).simd_lt(far)).to_bitmask();
-    let offsets = unpack(view * scale - vector(towards));
-    (0..8).filter(move |lane| are_seen >> lane & 1 == 1).map(move |lane| offsets[lane])
+    let is_far = (view.length() * scale).simd_ge(f32x8::splat(frame.far));
+    let are_seen = scale.simd_gt(f32x8::ZERO) & !is_far;
+    (FieldVec3::select(Mask8(are_seen), view * scale - vector(towards), FieldVec3::splat(f32x8::ZERO)), are_seen)
 }
 
 #[cfg(test)]

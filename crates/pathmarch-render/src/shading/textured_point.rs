@@ -22,6 +22,7 @@ use pathmarch_field::graph::Coordinates;
 use pathmarch_field::number::Vec3 as FieldVec3;
 use pathmarch_scene::materials::BsdfParameters;
 use pathmarch_scene::textures::{Decal, DecalSpace, MeshAttributes, Ramp, Spot};
+use wide::f32x8;
 
 /// Two knots around a value, and the interpolation weight of the second.
 fn interval<T>(knots: &[T], value: f32) -> (&T, &T, f32) {
@@ -155,16 +156,22 @@ impl<'p> TexturedPoint<'p> {
         found
     }
 
-    /// Colours of the material, as [`colour`](Self::colour), at these offsets from the point, in world space. The coordinates of the
-    /// shape are taken to be as straight as at the point.
-    pub(crate) fn colours_beside(mut self, offsets: impl Iterator<Item = Vec3>) -> impl Iterator<Item = Vec3> {
-        let (local, world) = (self.spot.p, self.world_spot.p);
-        let [x, y, z] = self.coordinates.gradients.map(|g| Vec3::new(g.x, g.y, g.z));
-        offsets.filter_map(move |offset| {
-            self.spot.p = local + Vec3::new(x.dot(offset), y.dot(offset), z.dot(offset));
-            self.world_spot.p = world + offset;
-            self.colour()
-        })
+    /// Colours of the material, as [`colour`](Self::colour), at these offsets from the point, in world space; `None` if no texture
+    /// replaces it. The coordinates of the shape are taken to be as straight as at the point.
+    pub(crate) fn colours_beside(&self, offsets: FieldVec3<f32x8>) -> Option<FieldVec3<f32x8>> {
+        let along = |axis: FieldVec3<f32>| FieldVec3::constant([axis.x, axis.y, axis.z]).dot(offsets);
+        let [x, y, z] = self.coordinates.gradients.map(along);
+        let positions = FieldVec3::constant(self.spot.p.into()) + FieldVec3::new(x, y, z);
+        let mut found = None;
+        for layer in &self.material.layers {
+            if let (Change::Colour { first: 0, ramp }, Source::Texture(texture)) = (&layer.change, &layer.source) {
+                found = Some(match ramp {
+                    Some(ramp) => ramp.colours(texture.values(&self.spot, positions)),
+                    None => texture.colours(&self.spot, positions),
+                });
+            }
+        }
+        found
     }
 
     /// Parameters of the preview material at this point.

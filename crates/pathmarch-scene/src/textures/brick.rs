@@ -1,9 +1,10 @@
 //! Courses of bricks on the sides of a wall, y up, or on a floor: projected along the axis that is nearest to the normal.
 //! Mortar is 0; a brick is 1 or, each by its own random number, less (Ebert et al. 2003, chapter 2).
 
-use super::noise::{random, smoothstep};
-use super::{Param, SEED, Spot, TextureKind, TextureParameters};
-use glam::Vec3;
+use super::noise::{TextureNumber, smoothstep};
+use super::{Param, Place, SEED, TextureKind, TextureParameters};
+use pathmarch_field::number::Vec3;
+use wide::f32x8;
 
 pub(super) static KIND: TextureKind = TextureKind {
     name: "brick",
@@ -18,25 +19,32 @@ pub(super) static KIND: TextureKind = TextureKind {
         SEED,
     ],
     step: |[length, course, mortar, ..]| 0.05 * mortar.max(0.02 * length.min(*course)),
-    value,
+    value: value::<f32>,
+    values: value::<f32x8>,
     wgsl: include_str!("brick.wgsl"),
 };
 
-fn value(spot: &Spot, &[length, height, mortar, shift, variation, seed, ..]: &TextureParameters) -> f32 {
-    let n = spot.normal.abs();
-    let on_floor = n.y > n.x.max(n.z);
-    let along = if !on_floor && n.x > n.z { spot.p.z } else { spot.p.x };
-    let up = if on_floor { spot.p.z } else { spot.p.y };
+#[inline(always)]
+fn value<N: TextureNumber>(
+    place: &Place<N>,
+    &[length, height, mortar, shift, variation, seed, ..]: &TextureParameters,
+) -> N {
+    let c = N::constant;
+    let (p, n) = (place.p, place.normal.abs());
+    let on_floor = n.x.max(n.z).lt(n.y);
+    let faces_x = !on_floor & n.z.lt(n.x);
+    let along = N::select(faces_x, p.z, p.x);
+    let up = N::select(on_floor, p.z, p.y);
     // A hair beside the origin, as a checker.
-    let course = (up / height + 0.001).floor();
-    let row_shift = course * shift;
-    let place = along / length + 0.001 + (row_shift - row_shift.floor());
-    let brick = place.floor();
+    let course = (up / c(height) + c(0.001)).floor();
+    let row_shift = course * c(shift);
+    let at = along / c(length) + c(0.001) + (row_shift - row_shift.floor());
+    let brick = at.floor();
     // Metres from the nearest edge of the brick's cell.
-    let across = 0.5 * length - ((place - brick - 0.5) * length).abs();
-    let above = 0.5 * height - ((up / height + 0.001 - course - 0.5) * height).abs();
-    let edge = across.min(above);
-    let own = 1.0 - variation * random(Vec3::new(brick, course, 0.0), seed as u32).x;
+    let from_edge = |part: N, side: f32| c(0.5 * side) - ((part - c(0.5)) * c(side)).abs();
+    let across = from_edge(at - brick, length);
+    let above = from_edge(up / c(height) + c(0.001) - course, height);
+    let own = N::one() - N::random(Vec3::new(brick, course, N::zero()), seed as u32).x * c(variation);
     let half = 0.5 * mortar.max(1e-6);
-    own * smoothstep(0.7 * half, 1.5 * half, edge)
+    own * smoothstep(0.7 * half, 1.5 * half, across.min(above))
 }

@@ -1,7 +1,8 @@
 //! Cells around random points, each of a value of its own (Worley 1996): mosaics, flagstones, lizards.
 
-use super::noise::{nearest_points, random};
-use super::{JITTER, Param, SEED, Spot, TextureKind, TextureParameters};
+use super::noise::{TextureNumber, nearest_points};
+use super::{JITTER, Param, Place, SEED, TextureKind, TextureParameters};
+use wide::f32x8;
 
 pub(super) static KIND: TextureKind = TextureKind {
     name: "cells",
@@ -9,11 +10,13 @@ pub(super) static KIND: TextureKind = TextureKind {
     source: "Worley 1996",
     params: &[Param::length("size", 0.2, "Of a cell."), JITTER, SEED],
     step: |[size, ..]| 0.01 * size,
-    value,
+    value: value::<f32>,
+    values: value::<f32x8>,
     wgsl: include_str!("cells.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, jitter, seed, ..]: &TextureParameters) -> f32 {
-    let (_, _, cell) = nearest_points(spot.p / size, jitter, seed as u32);
-    random(cell, (seed as u32).wrapping_add(1)).x
+#[inline(always)]
+fn value<N: TextureNumber>(place: &Place<N>, &[size, jitter, seed, ..]: &TextureParameters) -> N {
+    let (_, _, cell) = nearest_points(place.p / N::constant(size), jitter, seed as u32);
+    N::random(cell, (seed as u32).wrapping_add(1)).x
 }

@@ -1,7 +1,10 @@
 //! Cubes of two values by turns. The lattice lies a thousandth of a cube beside the origin, so that a face that lies in it,
 //! such as a floor at y = 0, is of one side and not torn by rounding.
 
-use super::{Param, Spot, TextureKind, TextureParameters};
+use super::noise::{TextureNumber, cell_of};
+use super::{Param, Place, TextureKind, TextureParameters};
+use pathmarch_field::number::Vec3;
+use wide::f32x8;
 
 pub(super) static KIND: TextureKind = TextureKind {
     name: "checker",
@@ -9,12 +12,14 @@ pub(super) static KIND: TextureKind = TextureKind {
     source: "Ebert et al. 2003",
     params: &[Param::length("size", 0.2, "Edge of a cube.")],
     step: |[size, ..]| 0.01 * size,
-    value,
+    value: value::<f32>,
+    values: value::<f32x8>,
     wgsl: include_str!("checker.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, ..]: &TextureParameters) -> f32 {
-    let cell = (spot.p / size + 0.001).floor();
+#[inline(always)]
+fn value<N: TextureNumber>(place: &Place<N>, &[size, ..]: &TextureParameters) -> N {
+    let cell = cell_of(place.p / N::constant(size) + Vec3::constant([0.001; 3]));
     let sum = cell.x + cell.y + cell.z;
-    sum - 2.0 * (0.5 * sum).floor()
+    sum - N::constant(2.0) * (sum * N::constant(0.5)).floor()
 }

@@ -1,8 +1,9 @@
 //! Clouds: octaves of gradient noise, each finer and weaker (fractional Brownian motion; Musgrave in Ebert et al. 2003,
 //! chapter 16).
 
-use super::noise::octaves;
-use super::{GAIN, OCTAVES, Param, SEED, Spot, TextureKind, TextureParameters};
+use super::noise::{TextureNumber, octaves};
+use super::{GAIN, OCTAVES, Param, Place, SEED, TextureKind, TextureParameters};
+use wide::f32x8;
 
 pub(super) static KIND: TextureKind = TextureKind {
     name: "fbm",
@@ -22,10 +23,16 @@ pub(super) static KIND: TextureKind = TextureKind {
         SEED,
     ],
     step: |[size, octaves, ..]| 0.05 * size * 0.5f32.powf(octaves - 1.0),
-    value,
+    value: value::<f32>,
+    values: value::<f32x8>,
     wgsl: include_str!("fbm.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, count, gain, contrast, seed, ..]: &TextureParameters) -> f32 {
-    0.5 + 0.8 * contrast * octaves(spot.p / size, count, gain, seed as u32)
+#[inline(always)]
+fn value<N: TextureNumber>(
+    place: &Place<N>,
+    &[size, count, gain, contrast, seed, ..]: &TextureParameters,
+) -> N {
+    let noise = octaves(place.p / N::constant(size), count, gain, seed as u32);
+    N::constant(0.5) + noise * N::constant(0.8 * contrast)
 }

@@ -1,8 +1,9 @@
 //! Veins across x, bent by octaves of noise (Perlin 1985, "An Image Synthesizer").
 
-use super::noise::octaves;
-use super::{OCTAVES, Param, SEED, Spot, TextureKind, TextureParameters};
+use super::noise::{TextureNumber, octaves};
+use super::{OCTAVES, Param, Place, SEED, TextureKind, TextureParameters};
 use std::f32::consts::PI;
+use wide::f32x8;
 
 pub(super) static KIND: TextureKind = TextureKind {
     name: "marble",
@@ -16,14 +17,19 @@ pub(super) static KIND: TextureKind = TextureKind {
         SEED,
     ],
     step: |[size, _, _, octaves, ..]| 0.05 * size * 0.5f32.powf(octaves - 1.0),
-    value,
+    value: value::<f32>,
+    values: value::<f32x8>,
     wgsl: include_str!("marble.wgsl"),
 };
 
-fn value(spot: &Spot, &[size, turbulence, sharpness, count, seed, ..]: &TextureParameters) -> f32 {
-    let q = spot.p / size;
-    let place = q.x + turbulence * octaves(q, count, 0.5, seed as u32);
+#[inline(always)]
+fn value<N: TextureNumber>(
+    place: &Place<N>,
+    &[size, turbulence, sharpness, count, seed, ..]: &TextureParameters,
+) -> N {
+    let q = place.p / N::constant(size);
+    let vein = q.x + octaves(q, count, 0.5, seed as u32) * N::constant(turbulence);
     // Within a quarter turn, where the sine is as exact on every device.
-    let part = place - place.floor() - 0.5;
-    (PI * part).cos().abs().max(1e-6).powf(sharpness)
+    let part = vein - vein.floor() - N::constant(0.5);
+    (part * N::constant(PI)).cos().abs().max(N::constant(1e-6)).pow(N::constant(sharpness))
 }

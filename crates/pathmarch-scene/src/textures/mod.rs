@@ -17,9 +17,11 @@ use glam::Vec3;
 pub use pathmarch_field::MeshAttributes;
 use pathmarch_field::Param;
 use pathmarch_field::graph::{Pose, Turn};
+use pathmarch_field::number::{Real, Vec3 as FieldVec3};
 pub use picture::{Picture, PictureError};
 pub use ramp::Ramp;
 use std::sync::Arc;
+use wide::f32x8;
 
 /// Largest number of parameters of a texture.
 pub const MAX_PARAMETERS: usize = 8;
@@ -40,7 +42,9 @@ pub struct TextureKind {
     /// Step of finite differences, metres: short compared to its features.
     pub step: fn(&TextureParameters) -> f32,
     /// Value, clamped to 0 to 1.
-    pub value: fn(&Spot, &TextureParameters) -> f32,
+    pub value: fn(&Place<f32>, &TextureParameters) -> f32,
+    /// Values at eight places.
+    pub values: fn(&Place<f32x8>, &TextureParameters) -> f32x8,
     /// The same in WGSL: `NAME_texture(spot: Spot, k: array<f32, 8>) -> f32`.
     pub wgsl: &'static str,
 }
@@ -62,6 +66,15 @@ pub struct Spot {
     pub footprint: f32,
     /// Attributes of the vertices of a mesh; the defaults on other shapes.
     pub attributes: MeshAttributes,
+}
+
+/// Place of one or eight spots, at which computed textures are evaluated.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<N> {
+    /// Position in the coordinates of the texture.
+    pub p: FieldVec3<N>,
+    /// Unit normal of the surface.
+    pub normal: FieldVec3<N>,
 }
 
 /// WGSL that textures share: `Spot` as in Rust, and noise.
@@ -159,6 +172,13 @@ fn placed(pose: &Pose, spot: &Spot) -> Spot {
     }
 }
 
+/// Three numbers of each of eight positions.
+fn of_each(positions: FieldVec3<f32x8>, numbers: impl Fn(Vec3) -> [f32; 3]) -> [f32x8; 3] {
+    let [x, y, z] = [positions.x, positions.y, positions.z].map(f32x8::to_array);
+    let rows: [[f32; 3]; 8] = std::array::from_fn(|lane| numbers(Vec3::new(x[lane], y[lane], z[lane])));
+    std::array::from_fn(|k| f32x8::from(rows.map(|row| row[k])))
+}
+
 impl Texture {
     /// A spot of the shape as one of the texture.
     fn placed(&self, spot: &Spot) -> Spot {
@@ -168,7 +188,10 @@ impl Texture {
     /// Its value at a spot of the shape, 0 to 1; of a picture, its luminance.
     pub fn value(&self, spot: &Spot) -> f32 {
         let value = match &self.pattern {
-            Pattern::Computed { kind, parameters } => (kind.value)(&self.placed(spot), parameters),
+            Pattern::Computed { kind, parameters } => {
+                let Spot { p, normal, .. } = self.placed(spot);
+                (kind.value)(&Place { p: p.into(), normal: normal.into() }, parameters)
+            }
             Pattern::Picture { .. } => self.colour(spot).dot(Vec3::from(LUMINANCE)),
             Pattern::UvPicture { mapping, .. } => mapping.channel.of(self.colour(spot)),
         };
@@ -182,6 +205,35 @@ impl Texture {
             Pattern::Computed { .. } => Vec3::splat(self.value(spot)),
             Pattern::Picture { picture, size } => picture.projected(&self.placed(spot), *size),
             Pattern::UvPicture { picture, mapping } => picture.at_uv(&spot.attributes, spot.footprint, mapping),
+        }
+    }
+
+    /// Its values at eight spots, which have these positions and in all else are like one of the shape.
+    pub fn values(&self, spot: &Spot, positions: FieldVec3<f32x8>) -> f32x8 {
+        let Pattern::Computed { kind, parameters } = &self.pattern else {
+            let [values, ..] = of_each(positions, |p| [self.value(&Spot { p, ..*spot }), 0.0, 0.0]);
+            return values;
+        };
+        let pose = &self.pose;
+        let mut p = positions - FieldVec3::constant(pose.at);
+        if pose.turn != Turn::None {
+            let rows = pose.local_from_world().map(FieldVec3::constant);
+            p = FieldVec3::new(rows[0].dot(p), rows[1].dot(p), rows[2].dot(p));
+        }
+        let normal = FieldVec3::constant(self.placed(spot).normal.into());
+        let value = (kind.values)(&Place { p, normal }, parameters);
+        // What is not a number is 0.
+        Real::select(Real::lt(f32x8::ZERO, value), value.fast_min(f32x8::ONE), f32x8::ZERO)
+    }
+
+    /// Its own colours at eight spots, as [`values`](Self::values).
+    pub fn colours(&self, spot: &Spot, positions: FieldVec3<f32x8>) -> FieldVec3<f32x8> {
+        match &self.pattern {
+            Pattern::Computed { .. } => FieldVec3::splat(self.values(spot, positions)),
+            Pattern::Picture { .. } | Pattern::UvPicture { .. } => {
+                let [r, g, b] = of_each(positions, |p| self.colour(&Spot { p, ..*spot }).to_array());
+                FieldVec3::new(r, g, b)
+            }
         }
     }
 

@@ -1,6 +1,8 @@
 //! Colour ramps: the colours between which a value from 0 to 1 is interpolated linearly.
 
 use glam::Vec3;
+use pathmarch_field::number::{Real, Vec3 as FieldVec3};
+use wide::f32x8;
 
 /// Colours along values from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +71,18 @@ impl Ramp {
         };
         let (a, b) = (self.colours[first], self.colours[(first + 1).min(last)]);
         std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part)
+    }
+
+    /// Colours of eight values, as [`colour`](Self::colour).
+    pub fn colours(&self, values: f32x8) -> FieldVec3<f32x8> {
+        if let ([a, b], None) = (&self.colours[..], &self.positions) {
+            let part = Real::clamp(values, f32x8::ZERO, f32x8::ONE);
+            let [r, g, b] = [0, 1, 2].map(|k| f32x8::splat(a[k]) + part * (b[k] - a[k]));
+            return FieldVec3::new(r, g, b);
+        }
+        let colours = values.to_array().map(|value| self.colour(value));
+        let [r, g, b] = [0, 1, 2].map(|k| f32x8::from(colours.map(|colour| colour[k])));
+        FieldVec3::new(r, g, b)
     }
 
     /// Average colour.
