@@ -68,14 +68,17 @@ fn eight_spots_have_the_values_of_each() {
         for reach in [0.2, 5.0, 1e6] {
             let points: [Vec3; 8] = std::array::from_fn(|_| random.point(reach));
             let [x, y, z] = [0, 1, 2].map(|k| f32x8::from(points.map(|p| p[k])));
-            let values = texture.values(&spot, FieldVec3::new(x, y, z));
-            let colours = texture.colours(&spot, FieldVec3::new(x, y, z));
+            let values = texture.values_around(&spot, FieldVec3::new(x, y, z));
+            let colours = texture.colours_around(&spot, FieldVec3::new(x, y, z));
+            let spots = points.map(|p| Spot { p, ..spot });
+            let together = texture.values(spots.each_ref());
             let of_ramps = ramps.each_ref().map(|ramp| ramp.colours(values));
             for (lane, p) in points.into_iter().enumerate() {
                 let at = Spot { p, ..spot };
                 let value = texture.value(&at);
                 assert!((values.to_array()[lane] - value).abs() < 1e-4, "{} at {p}: {values} and {value}", kind.name);
                 assert!((colours.y.to_array()[lane] - texture.colour(&at).y).abs() < 1e-4, "{} at {p}", kind.name);
+                assert_eq!(together.to_array()[lane], value, "{} at {p}", kind.name);
                 for (ramp, colours) in ramps.iter().zip(of_ramps) {
                     assert!((colours.z.to_array()[lane] - ramp.colour(value)[2]).abs() < 1e-3, "{} at {p}", kind.name);
                 }

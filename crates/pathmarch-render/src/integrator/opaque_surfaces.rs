@@ -14,11 +14,11 @@ use crate::sampling::basis::Basis8;
 use crate::scene::material::{DELTA, LAMBERTIAN};
 use crate::scene::{LightShape, TraceContext};
 use crate::shading::surface_interaction::SurfaceInteraction;
-use crate::shading::textured_point::{TexturedPoint, shading_normal};
+use crate::shading::textured_point::{TexturedPoint, parameters_of_eight, shading_normal};
 use glam::Vec3;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use pathmarch_scene::materials::{
-    BsdfInLanes, BsdfParameters, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes, PrincipledInLanes,
+    BsdfInLanes, DiffuseInLanes, KindInLanes, MetalInLanes, ParametersInLanes, PrincipledInLanes,
 };
 use wide::f32x8;
 
@@ -58,8 +58,10 @@ fn shade<B: BsdfInLanes>(
     let points = textured_points(ctx, paths, surfaces);
     let (inputs, samples_lights) = ShadingInputs::new(ctx, paths, surfaces, &points, samples);
     let material = |lane: usize| &ctx.scene.material_of(surfaces[lane].1.leaf).parameters;
-    let of_point = |lane: usize| Some(points[lane].as_ref()?.parameters(material(lane)));
-    let textured: [Option<BsdfParameters>; 8] = std::array::from_fn(of_point);
+    let textured = match ctx.config.textures {
+        true => parameters_of_eight(&points, material),
+        false => [None; 8],
+    };
     let of_lane = |lane: usize| {
         let lane = lane.min(surfaces.len() - 1);
         textured[lane].as_ref().unwrap_or(material(lane))

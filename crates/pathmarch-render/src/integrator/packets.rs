@@ -29,7 +29,7 @@ use crate::scene::KernelConfig;
 use crate::scene::material::{CLEAR, DELTA, EMITS, GLOWS};
 use crate::scene::{Medium, TraceContext};
 use crate::shading::surface_interaction::{SurfaceInteraction, Surfaces8};
-use crate::shading::textured_point::TexturedPoint;
+use crate::shading::textured_point::{TexturedPoint, parameters_of_eight};
 use glam::Vec3;
 use pathmarch_field::number::{Mask8, Real, Vec3 as FieldVec3};
 use pathmarch_scene::materials::{
@@ -650,12 +650,12 @@ impl Packet {
         if !ctx.config.textures {
             return;
         }
-        for lane in set_bits(bits) {
-            let interaction = self.interaction(surfaces, lane);
-            let point = TexturedPoint::new(ctx, &interaction, interaction.length);
-            textured[lane] =
-                point.map(|point| point.parameters(&ctx.scene.material_of(surfaces.leaf[lane]).parameters));
-        }
+        let point = |lane: usize| {
+            let interaction = (bits >> lane & 1 == 1).then(|| self.interaction(surfaces, lane))?;
+            TexturedPoint::new(ctx, &interaction, interaction.length)
+        };
+        let points: [Option<TexturedPoint>; 8] = std::array::from_fn(point);
+        *textured = parameters_of_eight(&points, |lane| &ctx.scene.material_of(surfaces.leaf[lane]).parameters);
     }
 }
 

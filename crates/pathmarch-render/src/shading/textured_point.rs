@@ -14,8 +14,9 @@
 //! **Cost.** One evaluation for each texture, four for a bump map, none for materials without textures.
 
 use super::surface_interaction::SurfaceInteraction;
+use crate::intersect::ray::set_bits;
 use crate::scene::preview_material::{PREVIEW_PARAMETERS, PreviewParameters, channel};
-use crate::scene::textured_material::{Change, KNOTS, Source, TexturedMaterial};
+use crate::scene::textured_material::{Change, KNOTS, Layer, Source, TexturedMaterial};
 use crate::scene::{KernelConfig, TraceContext};
 use glam::Vec3;
 use pathmarch_field::graph::Coordinates;
@@ -110,13 +111,20 @@ impl<'p> TexturedPoint<'p> {
         }
     }
 
-    /// Colour of a source at this point: that of the ramp, or of the texture without a ramp, or of a decal over the
+    /// Colour of a source of this value at this point: that of the ramp, or of the texture without a ramp, or of a decal over the
     /// colour `below`.
-    fn source_colour(&self, source: &Source, ramp: Option<&Ramp>, below: Vec3) -> Option<Vec3> {
+    fn source_colour(
+        &self,
+        source: &Source,
+        value: impl FnOnce() -> Option<f32>,
+        ramp: Option<&Ramp>,
+        below: Vec3,
+    ) -> Option<Vec3> {
         match (ramp, source) {
             (_, Source::Decal(decal)) => Some(decal.over(below, self.spot_of(decal))),
+            (None, Source::Texture(texture)) if texture.is_computed() => Some(Vec3::splat(value()?)),
             (None, Source::Texture(texture)) => Some(texture.colour(&self.spot)),
-            (Some(ramp), _) => Some(ramp.colour(self.value(source)?).into()),
+            (Some(ramp), _) => Some(ramp.colour(value()?).into()),
             (None, Source::Orbit(_)) => None,
         }
     }
@@ -125,23 +133,28 @@ impl<'p> TexturedPoint<'p> {
     pub(crate) fn parameters(&self, parameters: &BsdfParameters) -> BsdfParameters {
         let mut parameters = *parameters;
         for layer in &self.material.layers {
-            match &layer.change {
-                Change::Colour { first, ramp } => {
-                    let below = Vec3::from_slice(&parameters[*first..]);
-                    if let Some(colour) = self.source_colour(&layer.source, ramp.as_ref(), below) {
-                        parameters[*first..*first + 3].copy_from_slice(&colour.to_array());
-                    }
+            self.apply(layer, || self.value(&layer.source), &mut parameters);
+        }
+        parameters
+    }
+
+    /// Applies a layer whose source has this value.
+    fn apply(&self, layer: &Layer, value: impl FnOnce() -> Option<f32>, parameters: &mut BsdfParameters) {
+        match &layer.change {
+            Change::Colour { first, ramp } => {
+                let below = Vec3::from_slice(&parameters[*first..]);
+                if let Some(colour) = self.source_colour(&layer.source, value, ramp.as_ref(), below) {
+                    parameters[*first..*first + 3].copy_from_slice(&colour.to_array());
                 }
-                Change::Parameters { indices, knots } => {
-                    let Some(value) = self.value(&layer.source) else { continue };
-                    let (a, b, weight) = interval(knots, value);
-                    for ((index, a), b) in indices.iter().zip(a).zip(b) {
-                        parameters[*index] = a + (b - a) * weight;
-                    }
+            }
+            Change::Parameters { indices, knots } => {
+                let Some(value) = value() else { return };
+                let (a, b, weight) = interval(knots, value);
+                for ((index, a), b) in indices.iter().zip(a).zip(b) {
+                    parameters[*index] = a + (b - a) * weight;
                 }
             }
         }
-        parameters
     }
 
     /// Colour of the material, its first parameter; `None` if no texture replaces it.
@@ -150,7 +163,7 @@ impl<'p> TexturedPoint<'p> {
         for layer in &self.material.layers {
             if let Change::Colour { first: 0, ramp } = &layer.change {
                 let below = found.unwrap_or(layer.base.into());
-                found = self.source_colour(&layer.source, ramp.as_ref(), below).or(found);
+                found = self.source_colour(&layer.source, || self.value(&layer.source), ramp.as_ref(), below).or(found);
             }
         }
         found
@@ -166,8 +179,8 @@ impl<'p> TexturedPoint<'p> {
         for layer in &self.material.layers {
             if let (Change::Colour { first: 0, ramp }, Source::Texture(texture)) = (&layer.change, &layer.source) {
                 found = Some(match ramp {
-                    Some(ramp) => ramp.colours(texture.values(&self.spot, positions)),
-                    None => texture.colours(&self.spot, positions),
+                    Some(ramp) => ramp.colours(texture.values_around(&self.spot, positions)),
+                    None => texture.colours_around(&self.spot, positions),
                 });
             }
         }
@@ -183,7 +196,8 @@ impl<'p> TexturedPoint<'p> {
             match &layer.change {
                 Change::Colour { first, ramp } => {
                     let below = first_colour.filter(|_| *first == 0).unwrap_or(layer.base.into());
-                    let Some(colour) = self.source_colour(&layer.source, ramp.as_ref(), below) else { continue };
+                    let value = || self.value(&layer.source);
+                    let Some(colour) = self.source_colour(&layer.source, value, ramp.as_ref(), below) else { continue };
                     let change = colour - below;
                     if *first == 0 {
                         first_colour = Some(colour);
@@ -232,6 +246,45 @@ impl<'p> TexturedPoint<'p> {
         let tangential_gradient = gradient - outward * outward.dot(gradient);
         (outward - tangential_gradient).normalize()
     }
+}
+
+/// Parameters of the BSDFs at eight points, where they are textured, from those without textures, which a function gives for a
+/// point. Points of one material are evaluated together.
+pub(crate) fn parameters_of_eight<'a>(
+    points: &[Option<TexturedPoint>; 8],
+    untextured: impl Fn(usize) -> &'a BsdfParameters,
+) -> [Option<BsdfParameters>; 8] {
+    let bits_where = |holds: &dyn Fn(&TexturedPoint) -> bool| {
+        (0..8).map(|lane| u32::from(points[lane].as_ref().is_some_and(holds)) << lane).sum::<u32>()
+    };
+    let mut parameters = [None; 8];
+    let mut left = bits_where(&|_| true);
+    while let Some(first) = points.get(left.trailing_zeros() as usize).and_then(Option::as_ref) {
+        let material = first.material;
+        let group = left & bits_where(&|point| std::ptr::eq(point.material, material));
+        left &= !group;
+        for lane in set_bits(group) {
+            parameters[lane] = Some(*untextured(lane));
+        }
+        let is_in_group = |lane: usize| group >> lane & 1 == 1;
+        let spots = points.each_ref().map(|point| point.as_ref().map_or(&first.spot, |point| &point.spot));
+        for layer in &material.layers {
+            let together = match &layer.source {
+                Source::Texture(texture) if texture.is_computed() && group.count_ones() > 1 => {
+                    let spots = std::array::from_fn(|lane| if is_in_group(lane) { spots[lane] } else { &first.spot });
+                    Some(texture.values(spots).to_array())
+                }
+                _ => None,
+            };
+            for lane in set_bits(group) {
+                if let (Some(point), Some(parameters)) = (&points[lane], &mut parameters[lane]) {
+                    let value = || together.map_or_else(|| point.value(&layer.source), |values| Some(values[lane]));
+                    point.apply(layer, value, parameters);
+                }
+            }
+        }
+    }
+    parameters
 }
 
 /// Shading normal of an interaction, on the side of its geometric normal; `view` is the unit vector towards the viewer.

@@ -172,6 +172,13 @@ fn placed(pose: &Pose, spot: &Spot) -> Spot {
     }
 }
 
+/// Values of a computed texture at eight places, clamped to 0 to 1.
+fn values_at(kind: &TextureKind, parameters: &TextureParameters, place: Place<f32x8>) -> f32x8 {
+    let value = (kind.values)(&place, parameters);
+    // What is not a number is 0.
+    Real::select(Real::lt(f32x8::ZERO, value), value.fast_min(f32x8::ONE), f32x8::ZERO)
+}
+
 /// Three numbers of each of eight positions.
 fn of_each(positions: FieldVec3<f32x8>, numbers: impl Fn(Vec3) -> [f32; 3]) -> [f32x8; 3] {
     let [x, y, z] = [positions.x, positions.y, positions.z].map(f32x8::to_array);
@@ -208,8 +215,25 @@ impl Texture {
         }
     }
 
+    /// True if it is computed, from positions and normals alone.
+    pub fn is_computed(&self) -> bool {
+        matches!(self.pattern, Pattern::Computed { .. })
+    }
+
+    /// Its values at eight spots of the shape, bit for bit those of each.
+    pub fn values(&self, spots: [&Spot; 8]) -> f32x8 {
+        let Pattern::Computed { kind, parameters } = &self.pattern else {
+            return f32x8::from(spots.map(|spot| self.value(spot)));
+        };
+        let [px, py, pz, nx, ny, nz, ..] = f32x8::transpose(spots.map(|spot| {
+            let Spot { p, normal: n, .. } = self.placed(spot);
+            f32x8::from([p.x, p.y, p.z, n.x, n.y, n.z, 0.0, 0.0])
+        }));
+        values_at(kind, parameters, Place { p: FieldVec3::new(px, py, pz), normal: FieldVec3::new(nx, ny, nz) })
+    }
+
     /// Its values at eight spots, which have these positions and in all else are like one of the shape.
-    pub fn values(&self, spot: &Spot, positions: FieldVec3<f32x8>) -> f32x8 {
+    pub fn values_around(&self, spot: &Spot, positions: FieldVec3<f32x8>) -> f32x8 {
         let Pattern::Computed { kind, parameters } = &self.pattern else {
             let [values, ..] = of_each(positions, |p| [self.value(&Spot { p, ..*spot }), 0.0, 0.0]);
             return values;
@@ -221,15 +245,13 @@ impl Texture {
             p = FieldVec3::new(rows[0].dot(p), rows[1].dot(p), rows[2].dot(p));
         }
         let normal = FieldVec3::constant(self.placed(spot).normal.into());
-        let value = (kind.values)(&Place { p, normal }, parameters);
-        // What is not a number is 0.
-        Real::select(Real::lt(f32x8::ZERO, value), value.fast_min(f32x8::ONE), f32x8::ZERO)
+        values_at(kind, parameters, Place { p, normal })
     }
 
-    /// Its own colours at eight spots, as [`values`](Self::values).
-    pub fn colours(&self, spot: &Spot, positions: FieldVec3<f32x8>) -> FieldVec3<f32x8> {
+    /// Its own colours at eight spots, as [`values_around`](Self::values_around).
+    pub fn colours_around(&self, spot: &Spot, positions: FieldVec3<f32x8>) -> FieldVec3<f32x8> {
         match &self.pattern {
-            Pattern::Computed { .. } => FieldVec3::splat(self.values(spot, positions)),
+            Pattern::Computed { .. } => FieldVec3::splat(self.values_around(spot, positions)),
             Pattern::Picture { .. } | Pattern::UvPicture { .. } => {
                 let [r, g, b] = of_each(positions, |p| self.colour(&Spot { p, ..*spot }).to_array());
                 FieldVec3::new(r, g, b)
@@ -247,9 +269,11 @@ impl Texture {
             Pattern::UvPicture { .. } => 1.0,
         };
         let step = (own * self.pose.scale).max(0.5 * spot.footprint);
-        let here = self.value(spot);
-        let beside = |axis: Vec3| self.value(&Spot { p: spot.p + axis * step, ..*spot }) - here;
-        Vec3::new(beside(Vec3::X), beside(Vec3::Y), beside(Vec3::Z)) / step
+        let [x, y, z] = spot.p.to_array();
+        let places = [[x, y, z], [x + step, y, z], [x, y + step, z], [x, y, z + step]];
+        let [x, y, z] = [0, 1, 2].map(|k| f32x8::from(std::array::from_fn(|lane| places[lane % 4][k])));
+        let [here, along_x, along_y, along_z, ..] = self.values_around(spot, FieldVec3::new(x, y, z)).to_array();
+        Vec3::new(along_x - here, along_y - here, along_z - here) / step
     }
 }
 

@@ -11,8 +11,11 @@ use wide::{f32x8, i32x8, u32x8};
 /// Lattice coordinates are clamped to this.
 const FARTHEST: f32 = 1e9;
 
-/// Numbers over which textures are written: one, or eight lanes.
+/// Numbers over which textures are written: one, or eight lanes. A lane has the same bits as one number.
 pub(super) trait TextureNumber: Real {
+    /// Power of a positive number.
+    fn powf(self, exponent: f32) -> Self;
+
     /// Three uniform numbers in 0..1 of a cell.
     fn random(cell: Vec3<Self>, seed: u32) -> Vec3<Self>;
 }
@@ -36,6 +39,11 @@ macro_rules! hash {
 
 impl TextureNumber for f32 {
     #[inline(always)]
+    fn powf(self, exponent: f32) -> Self {
+        f32::powf(self, exponent)
+    }
+
+    #[inline(always)]
     fn random(Vec3 { x, y, z }: Vec3<Self>, seed: u32) -> Vec3<Self> {
         let whole = |v: f32| Wrapping(v.clamp(-FARTHEST, FARTHEST) as i32 as u32);
         let words = hash!([x, y, z].map(whole), seed.wrapping_mul(0x9e37_79b9), Wrapping);
@@ -45,6 +53,11 @@ impl TextureNumber for f32 {
 }
 
 impl TextureNumber for f32x8 {
+    #[inline(always)]
+    fn powf(self, exponent: f32) -> Self {
+        f32x8::from(self.to_array().map(|base| base.powf(exponent)))
+    }
+
     #[inline(always)]
     fn random(Vec3 { x, y, z }: Vec3<Self>, seed: u32) -> Vec3<Self> {
         let whole = |v: f32x8| -> u32x8 {
