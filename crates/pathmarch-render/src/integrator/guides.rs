@@ -191,12 +191,7 @@ impl Guide {
 
     /// Factor between the radiance that the facets reflect and what is filtered.
     pub(crate) fn reflection_divisor(&self) -> Vec3 {
-        self.reflected_factor(self.albedo)
-    }
-
-    /// The same where the surface has this albedo.
-    pub(crate) fn reflected_factor(&self, albedo: Vec3) -> Vec3 {
-        if self.reflected.is_coloured { self.factor(albedo) } else { Vec3::ONE }
+        if self.reflected.is_coloured { self.divisor() } else { Vec3::ONE }
     }
 }
 

@@ -18,7 +18,7 @@ use crate::scene::leaf::TEXTURED_IN_SPACE;
 use crate::scene::{FrameUniforms, RenderScene, TraceContext};
 use crate::shading::textured_point::TexturedPoint;
 use crate::wgsl::shared_constants;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use pathmarch_field::number::{Mask8, Vec3 as FieldVec3};
 use pathmarch_scene::textures::MeshAttributes;
 use rayon::prelude::*;
@@ -51,17 +51,50 @@ pub(crate) struct TexturedFilm<'a> {
 }
 
 impl TexturedFilm<'_> {
-    /// Albedos of all pixels; `None` if they are those of the samples everywhere.
-    pub(crate) fn albedos(&self) -> Option<Vec<Vec3>> {
+    /// Albedos of the pixels of the picture, with 1 in w where they are not those of the samples; `None` if these are everywhere.
+    pub(crate) fn albedos(&self) -> Option<Vec<Vec4>> {
         let TraceContext { scene, frame, config, .. } = *self.ctx;
         if config.media || frame.lens_radius > 0.0 || !has_fine_textures(scene) {
             return None;
         }
-        let albedo = |index: usize| match self.has_fine_texture(index) {
-            true => self.mean_albedo(index),
-            false => self.guides[index].albedo,
-        };
-        Some((0..self.guides.len()).into_par_iter().with_min_len(512).map(albedo).collect())
+        let count = self.guides.len();
+        let are_fine: Vec<bool> =
+            (0..count).into_par_iter().with_min_len(512).map(|index| self.has_fine_texture(index)).collect();
+        let [width, height] = self.size;
+        let mut albedos = vec![Vec4::ZERO; (width * height) as usize];
+        albedos.par_chunks_mut(width as usize).enumerate().for_each(|(y, row)| {
+            let mut last: Option<(usize, Option<TexturedPoint>)> = None;
+            for (x, albedo) in row.iter_mut().enumerate() {
+                let index = self.sample_at([x as u32, y as u32]);
+                if !are_fine[index] {
+                    continue;
+                }
+                if last.as_ref().is_none_or(|(sample, _)| *sample != index) {
+                    last = Some((index, self.textured_point(index)));
+                }
+                if let Some((_, Some(point))) = &last {
+                    *albedo = self.mean_albedo(index, point, [x as u32, y as u32]).extend(1.0);
+                }
+            }
+        });
+        Some(albedos)
+    }
+
+    /// Index of the sample at a pixel of the picture.
+    fn sample_at(&self, pixel: [u32; 2]) -> usize {
+        let samples = self.ctx.frame.size();
+        let [x, y]: [u32; 2] = std::array::from_fn(|k| {
+            let factor = self.size[k] as f32 / samples[k] as f32;
+            (((pixel[k] as f32 + 0.5) / factor) as u32).min(samples[k] - 1)
+        });
+        (y * samples[0] + x) as usize
+    }
+
+    /// Point of the texture that a sample shows.
+    fn textured_point(&self, index: usize) -> Option<TexturedPoint<'_>> {
+        let guide = &self.guides[index];
+        let hit = (guide.position, guide.normal, MeshAttributes::default());
+        TexturedPoint::at(self.ctx, guide.leaf as usize, hit, guide.length)
     }
 
     /// True if the texture of a pixel may be finer than it is: its sample and one beside it on the same surface differ.
@@ -84,43 +117,33 @@ impl TexturedFilm<'_> {
         })
     }
 
-    /// Mean albedo of a pixel's samples and of further points of it.
-    fn mean_albedo(&self, index: usize) -> Vec3 {
+    /// Mean albedo of the samples at a pixel of the picture, which show this point, and of further points of it.
+    fn mean_albedo(&self, index: usize, point: &TexturedPoint, [x, y]: [u32; 2]) -> Vec3 {
         let Self { ctx, samples, first_sample, size, .. } = *self;
         let guide = &self.guides[index];
-        let hit = (guide.position, guide.normal, MeshAttributes::default());
-        let point = TexturedPoint::at(ctx, guide.leaf as usize, hit, guide.length);
-        let start = hash(index as u32);
+        let start = hash(y * size[0] + x);
         let places: [[f32; 2]; ALBEDO_POINTS as usize] = std::array::from_fn(|k| {
             r2_sequence::point(first_sample.wrapping_mul(ALBEDO_POINTS).wrapping_add(k as u32), [start, hash(start)])
         });
-        let (offsets, are_seen) =
-            offsets_in_pixel(ctx.frame, size, guide, [0, 1].map(|k| lanes(|lane| places[lane][k])));
-        let Some(colours) = point.and_then(|point| point.colours_beside(offsets)) else { return guide.albedo };
+        let place = [0, 1].map(|k| lanes(|lane| places[lane][k]) + f32x8::splat([x, y][k] as f32));
+        let (offsets, are_seen) = offsets_to(ctx.frame, size, guide, place);
+        let Some(colours) = point.colours_beside(offsets) else { return guide.albedo };
         let sum_of = |channel: f32x8| (are_seen & channel).reduce_add();
         let sum = Vec3::new(sum_of(colours.x), sum_of(colours.y), sum_of(colours.z));
-        (guide.albedo * samples as f32 + sum) / (samples as f32 + sum_of(f32x8::ONE))
+        // Samples of an enlarged picture are those of several pixels.
+        let samples = if size == ctx.frame.size() { samples as f32 } else { 0.0 };
+        let count = samples + sum_of(f32x8::ONE);
+        if count > 0.0 { (guide.albedo * samples + sum) / count } else { guide.albedo }
     }
 }
 
-/// Offsets from a pixel's position to those points of the plane that touches its surface which eight points of the pixel show,
-/// with coordinates from 0 to 1, in a picture of this size; and the mask of those that are not beyond the horizon.
-fn offsets_in_pixel(
-    frame: &FrameUniforms,
-    size: [u32; 2],
-    guide: &Guide,
-    [x, y]: [f32x8; 2],
-) -> (FieldVec3<f32x8>, f32x8) {
+/// Offsets from the position of a guide to those points of the plane that touches its surface which these places of a picture of
+/// this size show, in pixels from its top left corner; and the mask of those that are not beyond the horizon.
+fn offsets_to(frame: &FrameUniforms, size: [u32; 2], guide: &Guide, [x, y]: [f32x8; 2]) -> (FieldVec3<f32x8>, f32x8) {
     let [position, right, up, forward] = [frame.position, frame.right, frame.up, frame.forward].map(Vec3::from);
-    let size = size.map(|side| side as f32);
     let towards = guide.position - position;
-    let depth = towards.dot(forward);
-    let across = towards.dot(right) / (right.length_squared() * depth);
-    let upwards = towards.dot(up) / (up.length_squared() * depth);
-    // Of an enlarged picture, the pixel in which the sample is.
-    let corner = [((across + 1.0) * 0.5 * size[0]).floor(), ((1.0 - upwards) * 0.5 * size[1]).floor()];
-    let across = (x + corner[0]) * (2.0 / size[0]) - f32x8::ONE;
-    let upwards = f32x8::ONE - (y + corner[1]) * (2.0 / size[1]);
+    let across = x * (2.0 / size[0] as f32) - f32x8::ONE;
+    let upwards = f32x8::ONE - y * (2.0 / size[1] as f32);
     let vector = |v: Vec3| FieldVec3::<f32x8>::constant(v.into());
     let view = vector(forward) + vector(right) * across + vector(up) * upwards;
     let scale = f32x8::splat(towards.dot(guide.normal)) / view.dot(vector(guide.normal));
@@ -154,7 +177,7 @@ mod tests {
         input.sample_with_guides(&input.context(None), &pixels, sample).1
     }
 
-    fn albedos(input: &RenderInput, guides: &[Guide], size: [u32; 2]) -> Option<Vec<Vec3>> {
+    fn albedos(input: &RenderInput, guides: &[Guide], size: [u32; 2]) -> Option<Vec<Vec4>> {
         let ctx = &input.context(None);
         TexturedFilm { ctx, guides, samples: 1, first_sample: 0, size }.albedos()
     }
@@ -175,7 +198,8 @@ mod tests {
             for (index, mean) in mean.iter().enumerate().filter(|(_, mean)| !mean.is_mixed) {
                 let error = |albedo: Vec3| albedo.distance_squared(mean.albedo);
                 errors[0] += error(guides[index].albedo);
-                errors[1] += error(albedos[index]);
+                errors[1] +=
+                    error(if albedos[index].w > 0.0 { albedos[index].truncate() } else { guides[index].albedo });
             }
             println!("{material}: {errors:?}");
             assert!(errors[1] < 0.15 * errors[0], "{material}: {errors:?}");

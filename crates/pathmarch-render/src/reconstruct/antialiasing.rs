@@ -12,6 +12,7 @@
 
 use super::motion::EarlierPoints;
 use super::planes::{Grid, Place, Planes};
+use super::spatial::FilteredLight;
 use super::surfaces::{MirrorPlanes, Points, SurfacePlanes, Vectors};
 use super::temporal::{History, Positions, Projection, SoughtPoints};
 use crate::integrator::guides::Guide;
@@ -60,6 +61,33 @@ pub(super) struct Last<'a> {
     pub(super) earlier: &'a EarlierPoints,
     /// Weight of the new picture, see [`new_weight`].
     pub(super) new_weight: f32,
+}
+
+/// Textures that are finer than pixels.
+#[derive(Clone, Copy)]
+pub(super) struct Textures<'a> {
+    /// Albedos of the pixels of the picture, with 1 in w where they are not those of the samples.
+    pub(super) albedos: &'a [Vec4],
+    /// Light of the samples.
+    pub(super) light: &'a [FilteredLight],
+}
+
+impl Textures<'_> {
+    /// Colour of a sample, which shows a surface, with the albedo of a pixel of the picture.
+    #[inline(always)]
+    fn colour(&self, samples: &[Vec3], guides: &[Guide], sample: usize, pixel: usize) -> Vec3 {
+        let guide = &guides[sample];
+        samples[sample] + self.light[sample].irradiance * (guide.factor(self.albedos[pixel].xyz()) - guide.divisor())
+    }
+
+    /// Colours of samples of a picture of their size, with the albedos of its pixels.
+    fn averaged(&self, samples: &[Vec3], guides: &[Guide]) -> Vec<Vec3> {
+        let of = |index: usize| match self.albedos[index].w > 0.0 {
+            true => self.colour(samples, guides, index, index),
+            false => samples[index],
+        };
+        (0..samples.len()).into_par_iter().with_min_len(4096).map(of).collect()
+    }
 }
 
 /// Power of two below which a weight is 0.
@@ -142,6 +170,7 @@ struct Upscaling<'a> {
     mirrors: Option<&'a MirrorPlanes>,
     grid: Grid,
     samples: &'a [Vec3],
+    textures: Option<Textures<'a>>,
     /// Opponent colours of the samples, and the lengths of their paths; the largest number for those that are no part of the picture.
     opponents: Planes<4>,
     /// If the picture is larger than the samples: where they are.
@@ -162,13 +191,15 @@ struct PlacedSamples {
 /// do not move others.
 pub(super) fn antialiased(
     (present, surfaces): (&History, &SurfacePlanes),
-    samples: &[Vec3],
+    (samples, textures): (&[Vec3], Option<Textures>),
     size: [u32; 2],
     last: Option<Last>,
     emitters_are_apart: bool,
 ) -> ShownPicture {
     let History { frame, guides, projection, .. } = present;
     let is_larger = size != frame.size();
+    let averaged = textures.filter(|_| !is_larger).map(|textures| textures.averaged(samples, guides));
+    let samples = averaged.as_deref().unwrap_or(samples);
     if last.is_none() && !is_larger {
         return ShownPicture { size, colours: samples.iter().map(|sample| sample.extend(0.0)).collect() };
     }
@@ -188,6 +219,7 @@ pub(super) fn antialiased(
         mirrors: surfaces.mirrors.as_ref(),
         grid,
         samples,
+        textures,
         opponents: Planes::new(grid, [0.0, 0.0, 0.0, f32::MAX], opponent),
         placed: is_larger.then(placed),
         factor: [size[0] as f32 / frame.width as f32, size[1] as f32 / frame.height as f32],
@@ -224,7 +256,8 @@ impl Upscaling<'_> {
                 let x = u.map(|u| (u as usize).min(samples_wide - 1));
                 let (mut new, mut weights) = ([Vec3::ZERO; 8], [1.0; 8]);
                 for lane in 0..colours.len() {
-                    (new[lane], weights[lane]) = self.interpolated([u[lane], v], [x[lane], y]);
+                    let pixel = (first_row + row) * width + 8 * eighth + lane;
+                    (new[lane], weights[lane]) = self.interpolated([u[lane], v], [x[lane], y], pixel);
                 }
                 let shown = match last {
                     Some(last) => {
@@ -374,33 +407,52 @@ impl Upscaling<'_> {
     }
 
     /// Colour at a point, in pixels of the samples, within one of these pixels, and the weight of the sample nearest to it, 0 to 1.
+    /// The point is in this pixel of the picture.
     #[inline(always)]
-    fn interpolated(&self, point: [f32; 2], [x, y]: [usize; 2]) -> (Vec3, f32) {
-        let width = self.grid.width as usize;
-        let own = self.samples[y * width + x];
-        match &self.placed {
-            Some(placed) => self.weighted(placed, point, [x, y]).unwrap_or((own, 0.0)),
-            None => (own, 1.0),
+    fn interpolated(&self, point: [f32; 2], [x, y]: [usize; 2], pixel: usize) -> (Vec3, f32) {
+        let here = y * self.grid.width as usize + x;
+        let Some(placed) = &self.placed else { return (self.samples[here], 1.0) };
+        if let Some(textures) = self.textures.filter(|textures| textures.albedos[pixel].w > 0.0) {
+            let guides = &self.present.guides;
+            let of = |there: usize| {
+                let is_same = guides[there].leaf == guides[here].leaf;
+                let colour =
+                    if is_same { textures.colour(self.samples, guides, there, pixel) } else { self.samples[there] };
+                colour.extend(0.0)
+            };
+            // Only light is interpolated.
+            return (self.weighted(placed, point, [x, y], of).map_or(of(here), |(colour, _)| colour).xyz(), 1.0);
+        }
+        match self.weighted(placed, point, [x, y], |there| placed.opponents[there]) {
+            Some((opponent, largest)) => (colour_of(opponent.xyz()), largest),
+            None => (self.samples[here], 0.0),
         }
     }
 
-    /// Colour at a point, in pixels of the samples, within one of these pixels, by the distances of the samples around, and the
-    /// largest of their weights; `None` if all are far away.
-    fn weighted(&self, placed: &PlacedSamples, point: [f32; 2], [x, y]: [usize; 2]) -> Option<(Vec3, f32)> {
+    /// Mean of the colours of the samples around a point, in pixels of the samples, within one of these pixels, by the distances
+    /// of the samples, and the largest of their weights; `None` if all are far away.
+    #[inline(always)]
+    fn weighted(
+        &self,
+        placed: &PlacedSamples,
+        point: [f32; 2],
+        [x, y]: [usize; 2],
+        colour: impl Fn(usize) -> Vec4,
+    ) -> Option<(Vec4, f32)> {
         let width = self.grid.width as usize;
-        let (mut opponent, mut total, mut largest) = (Vec4::ZERO, 0.0, 0.0);
+        let (mut sum, mut total, mut largest) = (Vec4::ZERO, 0.0, 0.0);
         for place in (-1..=1).filter_map(|dy| Place::new(x, y as i32).moved(self.grid, -1, dy)) {
             let distance = |k: usize| (placed.positions.load(k, place) - f32x8::splat(point[k])) * self.factor[k];
             let weights = gaussian(distance(0), distance(1)).to_array();
-            let row = &placed.opponents[place.row as usize * width..][..width];
             let inside = usize::from(x == 0)..(width + 1 - x).min(3);
-            for (&weight, &there) in weights[inside.clone()].iter().zip(&row[x + inside.start - 1..]) {
-                opponent += there * weight;
+            for k in inside {
+                let weight = weights[k];
+                sum += colour(place.row as usize * width + x + k - 1) * weight;
                 total += weight;
                 largest = f32::max(largest, weight);
             }
         }
-        (total > 0.0).then(|| (colour_of(opponent.xyz() / total), largest))
+        (total > 0.0).then(|| (sum / total, largest))
     }
 }
 

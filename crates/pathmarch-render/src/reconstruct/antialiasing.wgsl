@@ -88,6 +88,13 @@ fn mirrors_differ(a: Guide, b: Guide) -> bool {
     return are_mirrors.x != are_mirrors.y || (all(are_mirrors) && turned);
 }
 
+/// Colour of a sample with this albedo instead of that of its guide: in `sample.w` are the shares of its channels that are in
+/// proportion to it, see emitters.wgsl.
+fn with_albedo(sample: vec4f, guide: Guide, albedo: vec3f) -> vec3f {
+    let shares = vec3f((vec3u(u32(sample.w)) >> vec3u(0u, 8u, 16u)) & vec3u(255u)) / 255.0;
+    return sample.xyz * (1.0 + shares * (max(albedo, vec3f(MIN_ALBEDO)) / divisor(guide) - 1.0));
+}
+
 /// Averages samples with the last picture.
 @compute @workgroup_size(8, 8)
 fn antialias(@builtin(global_invocation_id) id: vec3u) {
@@ -99,7 +106,11 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     let factor = vec2f(shown) / traced;
     let point = (vec2f(id.xy) + 0.5) / factor;
     let centre = min(vec2i(point), vec2i(traced) - 1);
-    let is_larger = any(factor != vec2f(1.0));
+    let is_larger = is_enlarged();
+    var albedo = vec4f(0.0);
+    if uniforms.has_albedos != 0u && is_larger {
+        albedo = albedos[id.y * shown.x + id.x];
+    }
     var sum = vec3f(0.0);
     var squares = vec3f(0.0);
     var count = 0.0;
@@ -142,7 +153,8 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
             let position = select(projected, vec2f(place) + 0.5, projected.x < -1e8);
             let distance = (point - position) * factor;
             let weight = exp(-0.5 * dot(distance, distance) / (KERNEL_DEVIATION * KERNEL_DEVIATION));
-            weighted += there * weight;
+            let is_textured = albedo.w > 0.0 && guide.leaf == here.leaf;
+            weighted += select(there, with_albedo(estimates[pixel_index(place)], guide, albedo.xyz), is_textured) * weight;
             total += weight;
             largest = max(largest, weight);
         }
@@ -151,6 +163,11 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
         colour = weighted / total;
     } else {
         largest = 1.0;
+    }
+    if albedo.w > 0.0 {
+        // Only light is interpolated.
+        largest = 1.0;
+        colour = select(with_albedo(estimates[pixel_index(centre)], here, albedo.xyz), colour, total > 0.0);
     }
     let pixel = id.y * shown.x + id.x;
     colours[pixel] = vec4f(colour, 0.0);

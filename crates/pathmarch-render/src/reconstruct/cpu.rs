@@ -2,7 +2,7 @@
 //!
 //! **Cost.** 0.2 to 0.9 of the time in which one sample is traced.
 
-use super::antialiasing::{Last, ShownPicture, antialiased, new_weight};
+use super::antialiasing::{Last, ShownPicture, Textures, antialiased, new_weight};
 use super::emitters::EmitterLayer;
 use super::film_view::FilmView;
 use super::indirect::HalfFilm;
@@ -155,11 +155,13 @@ impl CpuReconstruction {
             None => (Vectors::splat(f32x8::ZERO), f32x8::ZERO),
         };
         clock.ends("spatial filter");
+        let light = filtered.radiance(surfaces.grid, guides, indirect_light);
+        let clean: Vec<Vec3> = light.iter().map(|light| light.radiance).collect();
+        clock.ends("multiplication by the albedo");
         let textured = TexturedFilm { ctx: &input.context(None), guides, samples, first_sample, size };
         let albedos = options.texture_filter.then(|| textured.albedos()).flatten();
+        let textures = albedos.as_ref().map(|albedos| Textures { albedos, light: &light });
         clock.ends("albedos of pixels");
-        let clean = filtered.radiance(surfaces.grid, guides, albedos.as_deref(), indirect_light);
-        clock.ends("multiplication by the albedo");
         let emitters =
             options.emitter_edges.then(|| EmitterLayer::new(&input.context(None), guides, size, first_sample));
         let emitters = emitters.flatten();
@@ -175,7 +177,7 @@ impl CpuReconstruction {
             earlier: &earlier,
             new_weight: new_weight(samples),
         });
-        let shown = antialiased((&history, surfaces), &clean, size, last, emitters.is_some());
+        let shown = antialiased((&history, surfaces), (&clean, textures), size, last, emitters.is_some());
         clock.ends("anti-aliasing");
         let rest = shown.colours.par_iter().enumerate().map(|(index, colour)| (index, colour.xyz()));
         let picture: Vec<Vec3> = match &emitters {

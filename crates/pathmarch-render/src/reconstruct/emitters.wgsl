@@ -1,19 +1,27 @@
 // import: reconstruct/pass
 // Radiance of the filtered light, without emitters. Twin of `without_emitters` in emitters.rs.
 
-/// Albedos of the pixels of the samples, with 1 in w where they are not those of the guides, see pixel_albedo.rs.
-@group(0) @binding(20) var<storage, read> albedos: array<vec4f>;
-
-/// Radiance of a pixel of the samples.
+/// Radiance of a pixel of the samples. In a picture of their size, textures are averaged over pixels.
 fn sample_at(pixel: u32, sampled: Guide) -> vec3f {
     var guide = sampled;
-    if uniforms.has_albedos != 0u && albedos[pixel].w > 0.0 {
+    if uniforms.has_albedos != 0u && !is_enlarged() && albedos[pixel].w > 0.0 {
         guide.albedo = albedos[pixel].xyz;
     }
     if uniforms.has_facets == 0u {
         return estimates[pixel].xyz * divisor(guide);
     }
     return base[pixel].xyz * divisor(guide) + estimates[pixel].xyz * reflection_divisor(guide);
+}
+
+/// Shares of the radiance of a pixel of the samples that are in proportion to its albedo, as a whole number: eight bits of each
+/// channel.
+fn shares_of_albedo(pixel: u32, guide: Guide, radiance: vec3f) -> f32 {
+    var apart = vec3f(0.0);
+    if uniforms.has_facets != 0u && !guide.has_coloured_facets {
+        apart = estimates[pixel].xyz;
+    }
+    let shares = vec3u(clamp(1.0 - apart / max(radiance, vec3f(1e-30)), vec3f(0.0), vec3f(1.0)) * 255.0 + 0.5);
+    return f32(shares.r | (shares.g << 8u) | (shares.b << 16u));
 }
 
 /// Coverage of the pixel in the middle of a sample's.
@@ -34,7 +42,7 @@ fn remove_emitters(@builtin(global_invocation_id) id: vec3u) {
     let pixel = pixel_index(position);
     let here = guide_at(pixel);
     let colour = sample_at(pixel, here);
-    next_estimates[pixel] = vec4f(colour, 0.0);
+    next_estimates[pixel] = vec4f(colour, shares_of_albedo(pixel, here, colour));
     if uniforms.has_emitters == 0u || !(is_seen_emitter(here) || here.is_mixed) {
         return;
     }

@@ -342,7 +342,7 @@ impl GpuReconstruction {
         }
         recorder.run("emitters", &passes.remove_emitters, &[0, 2, 7, 8, 14, 16, 20], target);
         let target = Target { size, ..target };
-        recorder.run("anti-aliasing", &passes.antialias, &[0, 2, 3, 7, 9, 10, 12], Target { source: 1, ..target });
+        recorder.run("anti-aliasing", &passes.antialias, &[0, 2, 3, 7, 9, 10, 12, 20], Target { source: 1, ..target });
         if settles(film.samples) && traced == size {
             recorder.run("mix with the film", &passes.compare_with_film, &[0, 1, 2, 8, 10, 16], target);
         }

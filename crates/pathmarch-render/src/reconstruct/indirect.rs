@@ -229,8 +229,9 @@ mod tests {
             let surfaces = SurfacePlanes::new(&input.frame, film.guides, false);
             let dark = Filtered::unfiltered(surfaces.grid, &vec![PixelMean::default(); guides.len()], None);
             let radiance =
-                dark.radiance(surfaces.grid, film.guides, None, |place| half.interpolated(&surfaces, place, &filtered));
+                dark.radiance(surfaces.grid, film.guides, |place| half.interpolated(&surfaces, place, &filtered));
             for (guide, radiance) in film.guides.iter().zip(radiance) {
+                let radiance = radiance.radiance;
                 assert!((radiance - guide.indirect).abs().max_element() < 1e-4, "{radiance} for {}", guide.indirect);
             }
         }

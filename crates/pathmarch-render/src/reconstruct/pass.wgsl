@@ -27,6 +27,9 @@
 /// Coverages of the pixels of the picture by emitters, see `Coverage` in emitter_coverage.rs.
 @group(0) @binding(16) var<storage, read> coverages: array<vec4f>;
 
+/// Albedos of the pixels of the picture, with 1 in w where they are not those of the guides, see pixel_albedo.rs.
+@group(0) @binding(20) var<storage, read> albedos: array<vec4f>;
+
 /// Mean of a pixel.
 struct History {
     irradiance: vec3f,
@@ -66,6 +69,11 @@ fn film_mean(position: vec2u, pixel: u32) -> vec3f {
     let has_more = position.y < uniforms.row || (position.y < uniforms.row + 8u && position.x < uniforms.column);
     let samples = f32(uniforms.samples + select(0u, uniforms.begun, has_more)) - sum.w;
     return sum.xyz / max(samples, 1.0);
+}
+
+/// True if the picture is larger than its samples.
+fn is_enlarged() -> bool {
+    return uniforms.shown_width != uniforms.width || uniforms.shown_height != uniforms.height;
 }
 
 /// True if a position is inside the picture of the samples.

@@ -194,6 +194,14 @@ struct Layer<'a> {
     reach: f32,
 }
 
+/// Filtered light of a pixel.
+#[derive(Clone, Copy, Default)]
+pub(super) struct FilteredLight {
+    pub(super) radiance: Vec3,
+    /// Derivative of the radiance by the albedo.
+    pub(super) irradiance: Vec3,
+}
+
 impl Filtered {
     /// Means of a history as they are, and those of the light of facets, if there is any.
     pub(super) fn unfiltered(grid: Grid, means: &[PixelMean], reflected: Option<&[PixelMean]>) -> Self {
@@ -212,15 +220,14 @@ impl Filtered {
         colours_of(&self.base, place)
     }
 
-    /// Radiance of all pixels, which have these guides, and these albedos if they differ from those of the guides. `indirect`
-    /// gives the indirect irradiance of eight pixels, and the mask of those where it is known; the others keep their own.
+    /// Light of all pixels, which have these guides. `indirect` gives the indirect
+    /// irradiance of eight pixels, and the mask of those where it is known; the others keep their own.
     pub(super) fn radiance(
         &self,
         grid: Grid,
         guides: &[Guide],
-        albedos: Option<&[Vec3]>,
         indirect: impl Fn(Place) -> (Vectors, f32x8) + Sync,
-    ) -> Vec<Vec3> {
+    ) -> Vec<FilteredLight> {
         by_eight(grid, |place| {
             let (light, are_known) = indirect(place);
             let (base, light, are_known) = (unpack(self.base(place)), unpack(light), are_known.to_bitmask());
@@ -228,17 +235,19 @@ impl Filtered {
             let indices = place.indices(grid);
             std::array::from_fn(|lane| {
                 let guide = &guides[indices[lane]];
-                let albedo = albedos.map_or(guide.albedo, |albedos| albedos[indices[lane]]);
-                let of_facets = match reflected {
-                    Some(reflected) => reflected[lane] * guide.reflected_factor(albedo),
-                    None => Vec3::ZERO,
+                let divisor = guide.divisor();
+                let (coloured, of_facets) = match reflected {
+                    Some(reflected) if guide.reflected.is_coloured => (reflected[lane], Vec3::ZERO),
+                    Some(reflected) => (Vec3::ZERO, reflected[lane]),
+                    None => (Vec3::ZERO, Vec3::ZERO),
                 };
                 let scattered = match guide.class {
                     GuideClass::Surface if are_known >> lane & 1 == 1 => light[lane],
-                    GuideClass::Surface => guide.indirect / guide.divisor(),
+                    GuideClass::Surface => guide.indirect / divisor,
                     _ => Vec3::ZERO,
                 };
-                (base[lane] + scattered) * guide.factor(albedo) + of_facets
+                let irradiance = base[lane] + scattered + coloured;
+                FilteredLight { radiance: irradiance * divisor + of_facets, irradiance }
             })
         })
     }

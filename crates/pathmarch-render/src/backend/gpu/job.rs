@@ -160,7 +160,7 @@ pub(crate) struct ReconstructedFilm<'a> {
     pub(crate) guides: &'a wgpu::Buffer,
     /// Coverages of the pixels of the picture by emitters; `None` if they are not wanted, or if it cannot show any.
     pub(crate) coverages: Option<&'a wgpu::Buffer>,
-    /// Albedos of the pixels of the samples; `None` if they are not wanted, or if they are those of the samples.
+    /// Albedos of the pixels of the picture; `None` if they are not wanted, or if they are those of the samples.
     pub(crate) albedos: Option<&'a wgpu::Buffer>,
     /// Samples of every pixel.
     pub(crate) samples: u32,
@@ -417,7 +417,7 @@ impl GpuJob {
         let coverage = self.coverage.as_mut().filter(|_| wants_coverages);
         let coverages = coverage.map(|pass| pass.start(device, size, &slice)).transpose()?;
         let albedos = self.albedos.as_mut().filter(|_| wants_albedos);
-        let albedos = albedos.map(|pass| pass.start(device, self.size, &slice)).transpose()?;
+        let albedos = albedos.map(|pass| pass.start(device, size, &slice)).transpose()?;
         Ok(Some(ReconstructedFilm { device, film, guides, coverages, albedos, samples, begun, row, column }))
     }
 

@@ -44,30 +44,31 @@ fn r2_point(index: u32, start: vec2u) -> vec2f {
 @compute @workgroup_size(64)
 fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     load_frame();
+    let size = vec2u(slice.columns, slice.rows);
     let pixel = ALBEDOS_PER_GROUP * (group.y * MAX_GROUPS_ACROSS + group.x) + lane;
-    if pixel >= frame.width * frame.height {
+    if pixel >= size.x * size.y {
         return;
     }
-    if !has_fine_texture(pixel) {
+    let samples = vec2u(frame.width, frame.height);
+    let corner = vec2f(f32(pixel % size.x), f32(pixel / size.x));
+    let sample_position = min(vec2u((corner + 0.5) / (vec2f(size) / vec2f(samples))), samples - 1u);
+    let sample = sample_position.y * samples.x + sample_position.x;
+    if !has_fine_texture(sample) {
         store_film(pixel, vec4f(0.0));
         return;
     }
-    let size = vec2f(f32(slice.columns), f32(slice.rows));
-    let position = bitcast<vec3f>(guides[4u * pixel].xyz);
-    let normal = from_octahedral(unpack2x16snorm(guides[4u * pixel + 1u].x));
-    let leaf = guides[4u * pixel + 2u].z;
+    let position = bitcast<vec3f>(guides[4u * sample].xyz);
+    let normal = from_octahedral(unpack2x16snorm(guides[4u * sample + 1u].x));
+    let leaf = guides[4u * sample + 2u].z;
     let towards = position - frame.position;
-    let depth = dot(towards, frame.forward);
-    let across = dot(towards, frame.right) / (dot(frame.right, frame.right) * depth);
-    let upwards = dot(towards, frame.up) / (dot(frame.up, frame.up) * depth);
-    // Of an enlarged picture, the pixel in which the sample is.
-    let corner = floor(vec2f(across + 1.0, 1.0 - upwards) * 0.5 * size);
     let start = hash(pixel);
-    let samples = f32(slice.samples);
-    var sum = vec4f(sampled_albedo(pixel) * samples, samples);
+    // Samples of an enlarged picture are those of several pixels.
+    let count = select(0.0, f32(slice.samples), all(size == samples));
+    let sampled = sampled_albedo(sample);
+    var sum = vec4f(sampled * count, count);
     for (var k = 0u; k < ALBEDO_POINTS; k++) {
         let point = r2_point(slice.sample * ALBEDO_POINTS + k, vec2u(start, hash(start)));
-        let place = (point + corner) * (2.0 / size);
+        let place = (point + corner) * (2.0 / vec2f(size));
         let view = frame.forward + frame.right * (place.x - 1.0) + frame.up * (1.0 - place.y);
         let scale = dot(towards, normal) / dot(view, normal);
         // Nothing is beyond the horizon.
@@ -78,5 +79,5 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
             sum += vec4f(packed(m, 0u).xyz, 1.0);
         }
     }
-    store_film(pixel, vec4f(sum.xyz / sum.w, 1.0));
+    store_film(pixel, vec4f(select(sampled, sum.xyz / max(sum.w, 1.0), sum.w > 0.0), 1.0));
 }
