@@ -28,7 +28,7 @@ shared_constants! {
     /// Largest number of mirrors and glass surfaces that guides look through.
     const MAX_DELTA_SURFACES: u32 = 8;
     /// Least albedo to divide by.
-    const MIN_ALBEDO: f32 = 0.04;
+    pub(crate) const MIN_ALBEDO: f32 = 0.04;
     /// Least cosine between normals of samples that show one surface.
     const MIN_COMMON_COSINE: f32 = 0.8;
     /// Largest channel of light in one word.
@@ -127,14 +127,9 @@ impl Guide {
 impl Guide {
     /// Factor between radiance and irradiance.
     pub(crate) fn divisor(&self) -> Vec3 {
-        self.factor(self.albedo)
-    }
-
-    /// Factor between irradiance and radiance where the surface has this albedo.
-    pub(crate) fn factor(&self, albedo: Vec3) -> Vec3 {
         match self.class {
             GuideClass::Sky | GuideClass::Glass => Vec3::ONE,
-            GuideClass::Emitter | GuideClass::Surface => albedo.max(Vec3::splat(MIN_ALBEDO)),
+            GuideClass::Emitter | GuideClass::Surface => self.albedo.max(Vec3::splat(MIN_ALBEDO)),
         }
     }
 

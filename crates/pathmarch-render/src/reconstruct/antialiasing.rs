@@ -15,7 +15,7 @@ use super::planes::{Grid, Place, Planes};
 use super::spatial::FilteredLight;
 use super::surfaces::{MirrorPlanes, Points, SurfacePlanes, Vectors};
 use super::temporal::{History, Positions, Projection, SoughtPoints};
-use crate::integrator::guides::Guide;
+use crate::integrator::guides::{Guide, MIN_ALBEDO};
 use crate::intersect::ray::{lanes, pack, set_bits, transposed, unpack};
 use crate::scene::FrameUniforms;
 use crate::wgsl::shared_constants;
@@ -75,17 +75,14 @@ pub(super) struct Textures<'a> {
 impl Textures<'_> {
     /// Colour of a sample, which shows a surface, with the albedo of a pixel of the picture.
     #[inline(always)]
-    fn colour(&self, samples: &[Vec3], guides: &[Guide], sample: usize, pixel: usize) -> Vec3 {
-        let guide = &guides[sample];
-        samples[sample] + self.light[sample].irradiance * (guide.factor(self.albedos[pixel].xyz()) - guide.divisor())
+    fn colour(&self, sample: usize, pixel: usize) -> Vec3 {
+        let light = &self.light[sample];
+        light.apart + light.irradiance * self.albedos[pixel].xyz().max(Vec3::splat(MIN_ALBEDO))
     }
 
     /// Colours of samples of a picture of their size, with the albedos of its pixels.
-    fn averaged(&self, samples: &[Vec3], guides: &[Guide]) -> Vec<Vec3> {
-        let of = |index: usize| match self.albedos[index].w > 0.0 {
-            true => self.colour(samples, guides, index, index),
-            false => samples[index],
-        };
+    fn averaged(&self, samples: &[Vec3]) -> Vec<Vec3> {
+        let of = |index: usize| if self.albedos[index].w > 0.0 { self.colour(index, index) } else { samples[index] };
         (0..samples.len()).into_par_iter().with_min_len(4096).map(of).collect()
     }
 }
@@ -198,7 +195,7 @@ pub(super) fn antialiased(
 ) -> ShownPicture {
     let History { frame, guides, projection, .. } = present;
     let is_larger = size != frame.size();
-    let averaged = textures.filter(|_| !is_larger).map(|textures| textures.averaged(samples, guides));
+    let averaged = textures.filter(|_| !is_larger).map(|textures| textures.averaged(samples));
     let samples = averaged.as_deref().unwrap_or(samples);
     if last.is_none() && !is_larger {
         return ShownPicture { size, colours: samples.iter().map(|sample| sample.extend(0.0)).collect() };
@@ -413,11 +410,10 @@ impl Upscaling<'_> {
         let here = y * self.grid.width as usize + x;
         let Some(placed) = &self.placed else { return (self.samples[here], 1.0) };
         if let Some(textures) = self.textures.filter(|textures| textures.albedos[pixel].w > 0.0) {
-            let guides = &self.present.guides;
+            let leaf = textures.light[here].leaf;
             let of = |there: usize| {
-                let is_same = guides[there].leaf == guides[here].leaf;
-                let colour =
-                    if is_same { textures.colour(self.samples, guides, there, pixel) } else { self.samples[there] };
+                let is_same = textures.light[there].leaf == leaf;
+                let colour = if is_same { textures.colour(there, pixel) } else { self.samples[there] };
                 colour.extend(0.0)
             };
             // Only light is interpolated.

@@ -153,7 +153,7 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
             let position = select(projected, vec2f(place) + 0.5, projected.x < -1e8);
             let distance = (point - position) * factor;
             let weight = exp(-0.5 * dot(distance, distance) / (KERNEL_DEVIATION * KERNEL_DEVIATION));
-            let is_textured = albedo.w > 0.0 && guide.leaf == here.leaf;
+            let is_textured = albedo.w > 0.0 && guide.leaf == here.leaf && !guide.is_mixed;
             weighted += select(there, with_albedo(estimates[pixel_index(place)], guide, albedo.xyz), is_textured) * weight;
             total += weight;
             largest = max(largest, weight);

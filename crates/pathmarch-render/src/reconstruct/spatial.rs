@@ -4,7 +4,7 @@ use super::planes::{Grid, Place, Planes, by_eight, square_around};
 use super::reflections::{Images, are_media};
 use super::surfaces::{SurfacePlanes, Surfaces, Vectors};
 use super::temporal::{History, Means, PixelMean, luminances};
-use crate::integrator::guides::{Guide, GuideClass};
+use crate::integrator::guides::{Guide, GuideClass, NO_LEAF};
 use crate::integrator::medium_light::MEDIUM_REACH;
 use crate::intersect::ray::unpack;
 use crate::wgsl::shared_constants;
@@ -198,8 +198,11 @@ struct Layer<'a> {
 #[derive(Clone, Copy, Default)]
 pub(super) struct FilteredLight {
     pub(super) radiance: Vec3,
-    /// Derivative of the radiance by the albedo.
+    /// Part of the radiance that does not change with the albedo, and the derivative of the rest by it.
+    pub(super) apart: Vec3,
     pub(super) irradiance: Vec3,
+    /// Index of the leaf if the pixel shows a single surface.
+    pub(super) leaf: u32,
 }
 
 impl Filtered {
@@ -247,7 +250,12 @@ impl Filtered {
                     _ => Vec3::ZERO,
                 };
                 let irradiance = base[lane] + scattered + coloured;
-                FilteredLight { radiance: irradiance * divisor + of_facets, irradiance }
+                FilteredLight {
+                    radiance: irradiance * divisor + of_facets,
+                    apart: of_facets,
+                    irradiance,
+                    leaf: if guide.is_mixed { NO_LEAF } else { guide.leaf },
+                }
             })
         })
     }
