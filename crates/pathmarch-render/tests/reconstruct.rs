@@ -554,18 +554,26 @@ const TEXTURED: &str = "pathmarch 1\ncamera { position 0 0.7 4; target 0 0.6 0; 
 
 fn textures_have_no_grain_while_the_camera_moves() {
     let scene = Arc::new(parse(TEXTURED));
-    let reference = converged(&scene, moved(&scene, 0.33));
-    let errors = [true, false].map(|texture_filter| {
-        let mut sequence =
-            Sequence::new(&cpu(), ReconstructOptions { texture_filter, ..ReconstructOptions::default() });
-        let frames = (0..12).map(|frame| next(&mut sequence, &scene, moved(&scene, 0.03 * frame as f32), frame));
-        let shown = frames.last().expect("a frame").reconstructed;
-        let energy = mean(&shown) / mean(&reference);
-        assert!((energy - 1.0).abs() < 0.01, "{energy}");
-        relmse(&shown, &reference).expect("finite")
-    });
-    println!("relMSE {errors:.4?}");
-    assert!(errors[0] < 0.5 * errors[1], "{errors:?}");
+    // At the size of the samples, and enlarged.
+    for factor in [1, 2] {
+        let size = SIZE.map(|side| factor * side);
+        let many = Settings { size, ..settings(&scene, moved(&scene, 0.33), 256, 12345) };
+        let reference = cpu().render(&scene, &many).expect("a film").mean();
+        let errors = [true, false].map(|texture_filter| {
+            let options = ReconstructOptions { texture_filter, ..ReconstructOptions::default() };
+            let mut sequence = Sequence::new(&cpu(), options);
+            let frame = |frame: u32| {
+                let settings = settings(&scene, moved(&scene, 0.03 * frame as f32), 1, frame);
+                sequence.render_upscaled(&scene, &settings, size).expect("a picture")
+            };
+            let shown = (0..12).map(frame).last().expect("a frame").reconstructed;
+            let energy = mean(&shown) / mean(&reference);
+            assert!((energy - 1.0).abs() < 0.02, "{energy}");
+            relmse(&shown, &reference).expect("finite")
+        });
+        println!("{size:?}: relMSE {errors:.4?}");
+        assert!(errors[0] < 0.5 * errors[1], "{size:?}: {errors:?}");
+    }
 }
 
 fn both_backends_average_textures_alike(renderers: &mut [Renderer; 2]) {

@@ -69,6 +69,15 @@ pub(crate) fn central_ray(frame: &FrameUniforms, x: f32, y: f32) -> Ray {
     Ray { origin: origin.into(), direction: direction.into() }
 }
 
+/// Index of the sample at a pixel of a picture of this size, which may be larger than its samples.
+pub(crate) fn sample_at(pixel: [u32; 2], size: [u32; 2], samples: [u32; 2]) -> usize {
+    let [x, y]: [u32; 2] = std::array::from_fn(|k| {
+        let factor = size[k] as f32 / samples[k] as f32;
+        (((pixel[k] as f32 + 0.5) / factor) as u32).min(samples[k] - 1)
+    });
+    (y * samples[0] + x) as usize
+}
+
 /// Point on the ray through the centre of the lens and the place in the picture of a camera ray, at the depth of a point `p`.
 pub(crate) fn central_point(frame: &FrameUniforms, ray: &Ray, p: Vec3) -> Vec3 {
     if frame.lens_radius == 0.0 {

@@ -1,6 +1,8 @@
 // import: integrator/first_mirror
 // Guides in memory: sixteen 32-bit words for each pixel. Twin of `Guide` in guides.rs.
 
+/// Bits of the index of an object. All are set for the sky, unless a mirror shows it.
+const OBJECT_BITS = 0x1fffffffu;
 /// Bit of a glossy surface beside the index of its object.
 const GLOSSY_BIT = 0x20000000u;
 /// Bit of mixed surfaces beside the index of the object that is seen.
@@ -122,7 +124,7 @@ fn unpacked_guide(words: array<vec4u, 4>) -> Guide {
     guide.seen_normal = select(from_octahedral(unpack2x16snorm(words[1].y)), guide.normal, is_surface);
     guide.indirect = select(vec3f(0.0), unpacked_light(words[1].y), is_surface);
     guide.is_glossy = (words[2].x & GLOSSY_BIT) != 0u;
-    guide.object = words[2].x & (GLOSSY_BIT - 1u);
+    guide.object = words[2].x & OBJECT_BITS;
     guide.seen_object = words[2].y & (COLOURED_BIT - 1u);
     guide.is_mixed = (words[2].y & MIXED_BIT) != 0u;
     let has_leaf = (words[2].z & MIRROR_BIT) == 0u;

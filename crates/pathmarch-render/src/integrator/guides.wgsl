@@ -43,8 +43,8 @@ fn begin_guide(camera: Ray) {
     guide.seen_normal = -camera.direction;
     guide.guide_class = GUIDE_SKY;
     guide.albedo = vec3f(1.0);
-    guide.object = GLOSSY_BIT - 1u;
-    guide.seen_object = GLOSSY_BIT - 1u;
+    guide.object = OBJECT_BITS;
+    guide.seen_object = OBJECT_BITS;
     guide.is_mixed = false;
     guide.leaf = NO_LEAF;
     guide.mirror = MIRROR_BIT;

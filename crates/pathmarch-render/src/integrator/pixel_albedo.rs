@@ -3,13 +3,16 @@
 //! **Idea.** One sample has one colour: a checker near the horizon would have grain in motion, whatever its light. But a
 //! texture costs no rays. Where the albedos of neighbouring samples differ, the texture is evaluated at further points of the
 //! pixel, in the plane that touches its surface. Light is divided by the albedo of its samples, filtered, and multiplied by
-//! the mean of the albedos of all these points.
+//! the mean of the albedos of all these points. A picture that is larger than its samples has albedos of its own size.
+//!
+//! **Cost.** 2 to 4 ms of two cores for 320x180 pixels that all have textures, on the CPU, which evaluates eight points at once.
 //!
 //! **Limits.** Elsewhere the albedo is that of the samples: textures at texture coordinates of meshes, decals, fractals,
 //! surfaces in mirrors, behind glass, or in media, and pictures through a lens, which blurs the texture.
 //!
 //! **Source.** Points of a pixel: the sequence R2, see [`r2_sequence`].
 
+use super::camera::sample_at;
 use super::guides::{Guide, GuideClass, NO_LEAF};
 use crate::intersect::ray::lanes;
 use crate::sampling::r2_sequence;
@@ -65,7 +68,7 @@ impl TexturedFilm<'_> {
         albedos.par_chunks_mut(width as usize).enumerate().for_each(|(y, row)| {
             let mut last: Option<(usize, Option<TexturedPoint>)> = None;
             for (x, albedo) in row.iter_mut().enumerate() {
-                let index = self.sample_at([x as u32, y as u32]);
+                let index = sample_at([x as u32, y as u32], self.size, frame.size());
                 if !are_fine[index] {
                     continue;
                 }
@@ -78,16 +81,6 @@ impl TexturedFilm<'_> {
             }
         });
         Some(albedos)
-    }
-
-    /// Index of the sample at a pixel of the picture.
-    fn sample_at(&self, pixel: [u32; 2]) -> usize {
-        let samples = self.ctx.frame.size();
-        let [x, y]: [u32; 2] = std::array::from_fn(|k| {
-            let factor = self.size[k] as f32 / samples[k] as f32;
-            (((pixel[k] as f32 + 0.5) / factor) as u32).min(samples[k] - 1)
-        });
-        (y * samples[0] + x) as usize
     }
 
     /// Point of the texture that a sample shows.

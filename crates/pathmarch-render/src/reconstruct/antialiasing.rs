@@ -3,7 +3,7 @@
 //! Samples of one pixel see its edges and textures at other places in every picture. The picture is therefore averaged
 //! with the last one at the same points. What the last picture shows is clamped to the colours around the pixel, so that
 //! nothing stays that is not there any more. The picture may be larger than its samples: then a sample counts most in the
-//! pixels next to its position.
+//! pixels next to its position, and of [textures that are finer](crate::integrator::pixel_albedo) only its light.
 //!
 //! **Source.** Karis 2014, "High-Quality Temporal Supersampling"; interpolation: Catmull and Rom 1974, "A Class of Local
 //! Interpolating Splines"; upscaling: Epic Games, "Temporal Upsampling" in Unreal

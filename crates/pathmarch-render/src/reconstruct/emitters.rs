@@ -11,6 +11,7 @@
 
 use super::film_view::FilmView;
 use super::planes::Grid;
+use crate::integrator::camera::sample_at;
 use crate::integrator::emitter_coverage::{
     Coverage, EmitterPlace, FULL_COVERAGE, LEAST_COVERAGE, LEAST_REST, MIN_EMITTER_SAMPLES, coverages, emitter_place,
 };
@@ -181,15 +182,6 @@ impl EmitterLayer {
         }
         colour * (1.0 - coverage.w.abs()).max(0.0) + coverage.xyz()
     }
-}
-
-/// Index of the sample at a pixel of a picture of this size.
-fn sample_at(pixel: [u32; 2], size: [u32; 2], samples: [u32; 2]) -> usize {
-    let [x, y]: [u32; 2] = std::array::from_fn(|k| {
-        let factor = size[k] as f32 / samples[k] as f32;
-        (((pixel[k] as f32 + 0.5) / factor) as u32).min(samples[k] - 1)
-    });
-    (y * samples[0] + x) as usize
 }
 
 #[cfg(test)]

@@ -153,7 +153,7 @@ fn same_point(a: Guide, b: Guide, pixel: f32) -> bool {
     if a.guide_class == GUIDE_SKY {
         let turned = a.normal - b.normal;
         let tolerance = POINT_TOLERANCE * max(uniforms.pixel, uniforms.past_pixel);
-        return a.object == GLOSSY_BIT - 1u || dot(turned, turned) <= tolerance * tolerance;
+        return a.object == OBJECT_BITS || dot(turned, turned) <= tolerance * tolerance;
     }
     let apart = a.position - b.position;
     let along = min(abs(dot(a.normal, apart)), abs(dot(b.normal, apart)));

@@ -27,7 +27,7 @@ fn normal_at(pixel: u32) -> vec3f {
 /// True if the layers of two pixels, of which the first has this normal, are parts of one: that of an object's side, or of
 /// media.
 fn are_one_layer(here: u32, normal: vec3f, there: u32) -> bool {
-    let objects = (guides[4u * here + 2u].x ^ guides[4u * there + 2u].x) & (GLOSSY_BIT - 1u);
+    let objects = (guides[4u * here + 2u].x ^ guides[4u * there + 2u].x) & OBJECT_BITS;
     let is_one_side = objects == 0u && dot(normal, normal_at(there)) >= MIN_NORMAL_COSINE;
     let are_media = is_medium_at(here);
     return are_media == is_medium_at(there) && (are_media || is_one_side);

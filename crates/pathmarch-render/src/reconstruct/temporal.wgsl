@@ -14,8 +14,8 @@ fn divide(@builtin(global_invocation_id) id: vec3u) {
     let irradiance = direct_irradiance(id.xy, pixel, guide);
     estimates[pixel] = vec4f(irradiance, luminance(irradiance));
     earlier_points[pixel] = earlier_words(moved_back(guide));
-    if guide.object != GLOSSY_BIT - 1u {
-        let flags = guides[4u * pixel + 2u].x & ~(GLOSSY_BIT - 1u);
+    if guide.object != OBJECT_BITS {
+        let flags = guides[4u * pixel + 2u].x & ~OBJECT_BITS;
         guides[4u * pixel + 2u].x = flags | leaf_motions[guide.object].object;
         guides[4u * pixel + 2u].y = leaf_motions[guide.seen_object].object
             | (guides[4u * pixel + 2u].y & (MIXED_BIT | COLOURED_BIT));

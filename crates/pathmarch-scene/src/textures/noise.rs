@@ -26,13 +26,13 @@ macro_rules! hash {
         let step = |v| v * $word(1_664_525) + $word(1_013_904_223);
         let [x, y, z] = $cell;
         let (mut x, mut y, mut z) = (step(x + $word($seed)), step(y), step(z));
-        x = x + y * z;
-        y = y + z * x;
-        z = z + x * y;
+        x += y * z;
+        y += z * x;
+        z += x * y;
         (x, y, z) = (x ^ (x >> 16), y ^ (y >> 16), z ^ (z >> 16));
-        x = x + y * z;
-        y = y + z * x;
-        z = z + x * y;
+        x += y * z;
+        y += z * x;
+        z += x * y;
         [x, y, z]
     }};
 }
