@@ -1,7 +1,7 @@
 //! Textures: computed values from 0 to 1 in space, and pictures.
 //!
 //! A texture is one file that declares a [`TextureKind`], a pair `x.rs` and `x.wgsl`; the name in the list below is its
-//! registration. The parser, the window, both renderers and the tests read [`kinds`]. A texture is evaluated in the
+//! registration. Its value is written once, for one point and for eight in lanes. The parser, the window, both renderers and the tests read [`kinds`]. A texture is evaluated in the
 //! coordinates of its shape ([`Field::coordinates`](pathmarch_field::Field::coordinates)), so that it moves with the
 //! shape, and may be placed there. The textured parameter maps its values: to positions on a colour ramp ([`Ramp`]), to
 //! a range of numbers, to heights. A [`Decal`] is a picture over the colour of a material.
@@ -271,8 +271,13 @@ impl Texture {
         let step = (own * self.pose.scale).max(0.5 * spot.footprint);
         let [x, y, z] = spot.p.to_array();
         let places = [[x, y, z], [x + step, y, z], [x, y + step, z], [x, y, z + step]];
-        let [x, y, z] = [0, 1, 2].map(|k| f32x8::from(std::array::from_fn(|lane| places[lane % 4][k])));
-        let [here, along_x, along_y, along_z, ..] = self.values_around(spot, FieldVec3::new(x, y, z)).to_array();
+        let [here, along_x, along_y, along_z] = if self.is_computed() {
+            let [x, y, z] = [0, 1, 2].map(|k| f32x8::from(std::array::from_fn(|lane| places[lane % 4][k])));
+            let [a, b, c, d, ..] = self.values_around(spot, FieldVec3::new(x, y, z)).to_array();
+            [a, b, c, d]
+        } else {
+            places.map(|p| self.value(&Spot { p: p.into(), ..*spot }))
+        };
         Vec3::new(along_x - here, along_y - here, along_z - here) / step
     }
 }
