@@ -223,8 +223,8 @@ impl Filtered {
         colours_of(&self.base, place)
     }
 
-    /// Light of all pixels, which have these guides. `indirect` gives the indirect
-    /// irradiance of eight pixels, and the mask of those where it is known; the others keep their own.
+    /// Light of all pixels, which have these guides. `indirect` gives the indirect irradiance of eight pixels, and the mask of those
+    /// where it is known; the others keep their own.
     pub(super) fn radiance(
         &self,
         grid: Grid,

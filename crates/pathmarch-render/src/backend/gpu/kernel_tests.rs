@@ -215,7 +215,8 @@ fn scene_of(features: &[&Feature], path: &str) -> Scene {
 
 /// Kernel sources of a scene in a mode. With four paths for each camera ray, pixels share light where that is possible, and
 /// numbers are constants. Where a path starts alone, there are also a kernel for coverage by emitters if the scene has any, one
-/// for albedos of pixels if it has textures, one that records guides while pixels share light, one that samples several lights, and one for edges of emitters.
+/// for albedos of pixels if it has textures, one that records guides while pixels share light, one that samples several lights,
+/// and one for edges of emitters.
 fn kernels(scene: &Scene, mode: Mode, splitting: Option<u32>, software: bool) -> Vec<String> {
     let settings = Settings { size: [8, 8], mode, splitting, path_reuse: Some(true), ..Settings::of(scene) };
     let mut input = RenderInput::new(scene, &settings).with_guides();
