@@ -32,6 +32,8 @@ shared_constants! {
     const ALBEDO_POINTS: u32 = 8;
     /// Largest difference between the albedos of neighbouring samples, in the larger one, without further points.
     const ALBEDO_CONTRAST: f32 = 0.05;
+    /// Largest distance of these points, in that of the far end of rays: at the horizon little of a pixel is nearer than that.
+    const ALBEDO_REACH: f32 = 100.0;
     /// Number of pixels of a workgroup.
     pub(crate) const ALBEDOS_PER_GROUP: u32 = 64;
 }
@@ -140,7 +142,7 @@ fn offsets_to(frame: &FrameUniforms, size: [u32; 2], guide: &Guide, [x, y]: [f32
     let vector = |v: Vec3| FieldVec3::<f32x8>::constant(v.into());
     let view = vector(forward) + vector(right) * across + vector(up) * upwards;
     let scale = f32x8::splat(towards.dot(guide.normal)) / view.dot(vector(guide.normal));
-    let is_far = (view.length() * scale).simd_ge(f32x8::splat(frame.far));
+    let is_far = (view.length() * scale).simd_ge(f32x8::splat(ALBEDO_REACH * frame.far));
     let are_seen = scale.simd_gt(f32x8::ZERO) & !is_far;
     (FieldVec3::select(Mask8(are_seen), view * scale - vector(towards), FieldVec3::splat(f32x8::ZERO)), are_seen)
 }

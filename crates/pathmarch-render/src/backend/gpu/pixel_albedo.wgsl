@@ -72,7 +72,7 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
         let view = frame.forward + frame.right * (place.x - 1.0) + frame.up * (1.0 - place.y);
         let scale = dot(towards, normal) / dot(view, normal);
         // Nothing is beyond the horizon.
-        if scale > 0.0 && length(view) * scale < frame.far {
+        if scale > 0.0 && length(view) * scale < ALBEDO_REACH * frame.far {
             let p = frame.position + view * scale;
             let m = leaf_at(leaf).material;
             evaluate_textures(m, SurfaceInteraction(p, leaf, normal, false, NO_TRIANGLE, false, 0.0), length(towards));
