@@ -9,12 +9,12 @@
 //! has no edges.
 
 use super::emitter_edges::{Seen, seen_by_further_rays};
-use super::guides::Guide;
+use super::guides::{Guide, colours_differ};
 use super::lens_targets::LensTargets;
 use crate::output::film::kept;
 use crate::scene::TraceContext;
 use crate::wgsl::shared_constants;
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
 shared_constants! {
     /// Number of camera rays that find the coverage of a pixel.
@@ -55,17 +55,12 @@ pub(crate) enum EmitterPlace {
     Within,
 }
 
-/// True if the radiances of two emitters differ.
-fn differ(a: Vec3, b: Vec3) -> bool {
-    (a - b).abs().max_element() > EMITTER_CONTRAST * a.max(b).max_element()
-}
-
 /// Place of a sample among those of the square of 3x3 pixels around it, itself included.
 pub(crate) fn emitter_place<'a>(here: &Guide, square: impl Iterator<Item = &'a Guide>) -> EmitterPlace {
     let (mut emitters, mut has_edge) = (0, false);
     for there in square {
         emitters += u32::from(there.is_seen_emitter());
-        has_edge |= !there.is_seen_emitter() || differ(there.albedo, here.albedo);
+        has_edge |= !there.is_seen_emitter() || colours_differ(there.albedo, here.albedo, EMITTER_CONTRAST);
     }
     match () {
         () if emitters < MIN_EMITTER_SAMPLES => EmitterPlace::Outside,

@@ -24,10 +24,7 @@ fn emitter_relation(here: EmitterWords, there: EmitterWords) -> u32 {
     }
     let a = bitcast<vec3f>(vec3u(here.second.zw, here.third.w));
     let b = bitcast<vec3f>(vec3u(there.second.zw, there.third.w));
-    let apart = abs(a - b);
-    let larger = max(a, b);
-    let differs = max(max(apart.x, apart.y), apart.z) > EMITTER_CONTRAST * max(max(larger.x, larger.y), larger.z);
-    return 1u + select(0u, HAS_EMITTER_EDGE, differs);
+    return 1u + select(0u, HAS_EMITTER_EDGE, colours_differ(a, b, EMITTER_CONTRAST));
 }
 
 /// Emitters and edges of two parts of a square.

@@ -146,6 +146,13 @@ fn is_seen_emitter(guide: Guide) -> bool {
     return guide.guide_class == GUIDE_EMITTER && guide.leaf != NO_LEAF;
 }
 
+/// True if the largest difference between the channels of two colours, in their largest channel, is above this contrast.
+fn colours_differ(a: vec3f, b: vec3f, contrast: f32) -> bool {
+    let apart = abs(a - b);
+    let larger = max(a, b);
+    return max(max(apart.x, apart.y), apart.z) > contrast * max(max(larger.x, larger.y), larger.z);
+}
+
 /// Luminance of a linear Rec. 709 colour.
 fn luminance(colour: vec3f) -> f32 {
     return dot(colour, vec3f(0.2126, 0.7152, 0.0722));

@@ -190,6 +190,11 @@ impl Guide {
     }
 }
 
+/// True if the largest difference between the channels of two colours, in their largest channel, is above this contrast.
+pub(crate) fn colours_differ(a: Vec3, b: Vec3, contrast: f32) -> bool {
+    (a - b).abs().max_element() > contrast * a.max(b).max_element()
+}
+
 /// Light as one word of memory has it: nine bits for each channel and a common exponent (Ward 1991). It is smaller by up to
 /// 1/256 of its largest channel.
 fn rounded(light: Vec3) -> Vec3 {

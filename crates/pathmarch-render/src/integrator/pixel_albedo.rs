@@ -13,7 +13,7 @@
 //! **Source.** Points of a pixel: the sequence R2, see [`r2_sequence`].
 
 use super::camera::sample_at;
-use super::guides::{Guide, GuideClass, NO_LEAF};
+use super::guides::{Guide, GuideClass, NO_LEAF, colours_differ};
 use crate::intersect::ray::lanes;
 use crate::sampling::r2_sequence;
 use crate::sampling::sobol::hash;
@@ -107,8 +107,7 @@ impl TexturedFilm<'_> {
         let mut around = rows.flat_map(|y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x));
         around.any(|beside| {
             let there = &self.guides[beside as usize];
-            let contrast = (there.albedo - here.albedo).abs().max_element();
-            there.leaf == here.leaf && contrast > ALBEDO_CONTRAST * there.albedo.max(here.albedo).max_element()
+            there.leaf == here.leaf && colours_differ(there.albedo, here.albedo, ALBEDO_CONTRAST)
         })
     }
 

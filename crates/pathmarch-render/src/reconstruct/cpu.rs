@@ -155,13 +155,16 @@ impl CpuReconstruction {
             None => (Vectors::splat(f32x8::ZERO), f32x8::ZERO),
         };
         clock.ends("spatial filter");
-        let light = filtered.radiance(surfaces.grid, guides, indirect_light);
-        let clean: Vec<Vec3> = light.iter().map(|light| light.radiance).collect();
-        clock.ends("multiplication by the albedo");
         let textured = TexturedFilm { ctx: &input.context(None), guides, samples, first_sample, size };
         let albedos = options.texture_filter.then(|| textured.albedos()).flatten();
-        let textures = albedos.as_ref().map(|albedos| Textures { albedos, light: &light });
         clock.ends("albedos of pixels");
+        let light = albedos.as_ref().map(|_| filtered.light(surfaces.grid, guides, indirect_light, |light| light));
+        let clean: Vec<Vec3> = match &light {
+            Some(light) => light.par_iter().with_min_len(4096).map(|light| light.radiance).collect(),
+            None => filtered.light(surfaces.grid, guides, indirect_light, |light| light.radiance),
+        };
+        let textures = albedos.as_ref().zip(light.as_ref()).map(|(albedos, light)| Textures { albedos, light });
+        clock.ends("multiplication by the albedo");
         let emitters =
             options.emitter_edges.then(|| EmitterLayer::new(&input.context(None), guides, size, first_sample));
         let emitters = emitters.flatten();

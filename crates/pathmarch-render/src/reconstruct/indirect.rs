@@ -228,10 +228,9 @@ mod tests {
             let filtered = Filtered::unfiltered(half.surfaces.grid, &means, None);
             let surfaces = SurfacePlanes::new(&input.frame, film.guides, false);
             let dark = Filtered::unfiltered(surfaces.grid, &vec![PixelMean::default(); guides.len()], None);
-            let radiance =
-                dark.radiance(surfaces.grid, film.guides, |place| half.interpolated(&surfaces, place, &filtered));
+            let indirect = |place| half.interpolated(&surfaces, place, &filtered);
+            let radiance = dark.light(surfaces.grid, film.guides, indirect, |light| light.radiance);
             for (guide, radiance) in film.guides.iter().zip(radiance) {
-                let radiance = radiance.radiance;
                 assert!((radiance - guide.indirect).abs().max_element() < 1e-4, "{radiance} for {}", guide.indirect);
             }
         }

@@ -223,14 +223,15 @@ impl Filtered {
         colours_of(&self.base, place)
     }
 
-    /// Light of all pixels, which have these guides. `indirect` gives the indirect irradiance of eight pixels, and the mask of those
-    /// where it is known; the others keep their own.
-    pub(super) fn radiance(
+    /// Part that a function takes of the light of all pixels, which have these guides. `indirect` gives the indirect irradiance of eight
+    /// pixels, and the mask of those where it is known; the others keep their own.
+    pub(super) fn light<T: Copy + Default + Send>(
         &self,
         grid: Grid,
         guides: &[Guide],
         indirect: impl Fn(Place) -> (Vectors, f32x8) + Sync,
-    ) -> Vec<FilteredLight> {
+        of: impl Fn(FilteredLight) -> T + Sync,
+    ) -> Vec<T> {
         by_eight(grid, |place| {
             let (light, are_known) = indirect(place);
             let (base, light, are_known) = (unpack(self.base(place)), unpack(light), are_known.to_bitmask());
@@ -250,12 +251,12 @@ impl Filtered {
                     _ => Vec3::ZERO,
                 };
                 let irradiance = base[lane] + scattered + coloured;
-                FilteredLight {
+                of(FilteredLight {
                     radiance: irradiance * divisor + of_facets,
                     apart: of_facets,
                     irradiance,
                     leaf: if guide.is_mixed { NO_LEAF } else { guide.leaf },
-                }
+                })
             })
         })
     }

@@ -1,3 +1,4 @@
+// import: sampling/r2_point
 // Quasirandom numbers of the modes without noise. Twin of r2_sequence.rs, which explains them.
 
 /// Index of a sample; all pixels have the same numbers.
@@ -12,8 +13,7 @@ fn pixel_sampler(x: u32, y: u32, sample: u32, seed: u32) -> PixelSampler {
 
 /// Position of a sample in its pixel, the same for every pair of dimensions.
 fn sample_2d(sampler: PixelSampler, pair: u32) -> vec2f {
-    let point = vec2u(sampler.sample) * vec2u(R2_STEP_X, R2_STEP_Y) + vec2u(0x80000000u);
-    return vec2f(point >> vec2u(8u)) / 16777216.0;
+    return r2_point(sampler.sample, vec2u(0x80000000u));
 }
 
 /// Blend weight above which a sample uses the second material of the blend `index`.

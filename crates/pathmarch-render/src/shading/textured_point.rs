@@ -266,12 +266,13 @@ pub(crate) fn parameters_of_eight<'a>(
         for lane in set_bits(group) {
             parameters[lane] = Some(*untextured(lane));
         }
-        let is_in_group = |lane: usize| group >> lane & 1 == 1;
-        let spots = points.each_ref().map(|point| point.as_ref().map_or(&first.spot, |point| &point.spot));
+        let spots = std::array::from_fn(|lane| match &points[lane] {
+            Some(point) if group >> lane & 1 == 1 => &point.spot,
+            _ => &first.spot,
+        });
         for layer in &material.layers {
             let together = match &layer.source {
                 Source::Texture(texture) if texture.is_computed() && group.count_ones() > 1 => {
-                    let spots = std::array::from_fn(|lane| if is_in_group(lane) { spots[lane] } else { &first.spot });
                     Some(texture.values(spots).to_array())
                 }
                 _ => None,

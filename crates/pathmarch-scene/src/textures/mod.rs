@@ -179,11 +179,10 @@ fn values_at(kind: &TextureKind, parameters: &TextureParameters, place: Place<f3
     Real::select(Real::lt(f32x8::ZERO, value), value.fast_min(f32x8::ONE), f32x8::ZERO)
 }
 
-/// Three numbers of each of eight positions.
-fn of_each(positions: FieldVec3<f32x8>, numbers: impl Fn(Vec3) -> [f32; 3]) -> [f32x8; 3] {
+/// Spots at eight positions, which in all else are like one.
+fn spots_at(spot: &Spot, positions: FieldVec3<f32x8>) -> [Spot; 8] {
     let [x, y, z] = [positions.x, positions.y, positions.z].map(f32x8::to_array);
-    let rows: [[f32; 3]; 8] = std::array::from_fn(|lane| numbers(Vec3::new(x[lane], y[lane], z[lane])));
-    std::array::from_fn(|k| f32x8::from(rows.map(|row| row[k])))
+    std::array::from_fn(|lane| Spot { p: Vec3::new(x[lane], y[lane], z[lane]), ..*spot })
 }
 
 impl Texture {
@@ -235,8 +234,7 @@ impl Texture {
     /// Its values at eight spots, which have these positions and in all else are like one of the shape.
     pub fn values_around(&self, spot: &Spot, positions: FieldVec3<f32x8>) -> f32x8 {
         let Pattern::Computed { kind, parameters } = &self.pattern else {
-            let [values, ..] = of_each(positions, |p| [self.value(&Spot { p, ..*spot }), 0.0, 0.0]);
-            return values;
+            return f32x8::from(spots_at(spot, positions).map(|spot| self.value(&spot)));
         };
         let pose = &self.pose;
         let mut p = positions - FieldVec3::constant(pose.at);
@@ -253,7 +251,8 @@ impl Texture {
         match &self.pattern {
             Pattern::Computed { .. } => FieldVec3::splat(self.values_around(spot, positions)),
             Pattern::Picture { .. } | Pattern::UvPicture { .. } => {
-                let [r, g, b] = of_each(positions, |p| self.colour(&Spot { p, ..*spot }).to_array());
+                let colours = spots_at(spot, positions).map(|spot| self.colour(&spot));
+                let [r, g, b] = [0, 1, 2].map(|k| f32x8::from(colours.map(|colour| colour[k])));
                 FieldVec3::new(r, g, b)
             }
         }

@@ -1,4 +1,5 @@
-// import: backend/gpu/buffers, integrator/guide, integrator/light_sampling, guides, sampler, textures, texture_target
+// import: backend/gpu/buffers, integrator/guide, integrator/light_sampling, guides, sampler, sampling/r2_point
+// import: textures, texture_target
 // Entry point: albedos of the pixels of a live picture, in place of the film; 1 in w where it is not that of the samples. Twin
 // of pixel_albedo.rs, which explains them.
 
@@ -9,12 +10,8 @@ fn sampled_albedo(pixel: u32) -> vec3f {
 
 /// True if the samples of two neighbouring pixels show different parts of one texture.
 fn differ(here: u32, beside: u32) -> bool {
-    let a = sampled_albedo(here);
-    let b = sampled_albedo(beside);
-    let apart = abs(a - b);
-    let larger = max(a, b);
-    let differs = max(max(apart.x, apart.y), apart.z) > ALBEDO_CONTRAST * max(max(larger.x, larger.y), larger.z);
-    return differs && guides[4u * here + 2u].z == guides[4u * beside + 2u].z;
+    return guides[4u * here + 2u].z == guides[4u * beside + 2u].z
+        && colours_differ(sampled_albedo(here), sampled_albedo(beside), ALBEDO_CONTRAST);
 }
 
 /// True if the texture of a pixel may be finer than it is.
@@ -34,11 +31,6 @@ fn has_fine_texture(pixel: u32) -> bool {
         }
     }
     return differs;
-}
-
-/// Point of the sequence R2 from this start, in parts of 2^32; both coordinates are from 0 to 1.
-fn r2_point(index: u32, start: vec2u) -> vec2f {
-    return vec2f((vec2u(index) * vec2u(R2_STEP_X, R2_STEP_Y) + start) >> vec2u(8u)) / 16777216.0;
 }
 
 @compute @workgroup_size(64)

@@ -60,9 +60,7 @@ static FILES: &[ShaderFile] = shader_files![
     "backend/gpu/lanes",
     "backend/gpu/loop_limit" shares declaration::<SuspendedPath>,
     "backend/gpu/loops_unlimited",
-    "backend/gpu/pixel_albedo" shares || {
-        [pixel_albedo::shared_wgsl(), r2_sequence::shared_wgsl(), slice::shared_wgsl()].concat()
-    },
+    "backend/gpu/pixel_albedo" shares || pixel_albedo::shared_wgsl() + &slice::shared_wgsl(),
     "backend/gpu/sample",
     "backend/gpu/sample_resumed",
     "backend/gpu/trace",
@@ -119,9 +117,8 @@ static FILES: &[ShaderFile] = shader_files![
     },
     "preview/soft_shadow" shares soft_shadow::shared_wgsl,
     "sampling/basis",
-    "sampling/r2_sequence" shares || {
-        [pair::shared_wgsl(), r2_sequence::shared_wgsl(), sampling::shared_wgsl()].concat()
-    },
+    "sampling/r2_point" shares r2_sequence::shared_wgsl,
+    "sampling/r2_sequence" shares || pair::shared_wgsl() + &sampling::shared_wgsl(),
     "sampling/sobol" shares || pair::shared_wgsl() + &sampling::shared_wgsl() + &encode::samplers_wgsl(),
     "sampling/unit_circle",
     "shading/mesh_fields",
