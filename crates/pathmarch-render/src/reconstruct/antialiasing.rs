@@ -40,10 +40,13 @@ shared_constants! {
 
 /// Weight of a new picture of one sample, unless the pixel was not seen before.
 const NEW_WEIGHT: f32 = 0.12;
+/// The same after a change of the scene: colours that are limited lag.
+const NEW_WEIGHT_OF_CHANGED_SCENE: f32 = 0.16;
 
 /// Weight of a new picture of so many samples: that of as many pictures of one sample.
-pub(super) fn new_weight(samples: u32) -> f32 {
-    1.0 - (1.0 - NEW_WEIGHT).powf(samples as f32)
+pub(super) fn new_weight(samples: u32, scene_has_changed: bool) -> f32 {
+    let of_one = if scene_has_changed { NEW_WEIGHT_OF_CHANGED_SCENE } else { NEW_WEIGHT };
+    1.0 - (1.0 - of_one).powf(samples as f32)
 }
 
 /// Picture that was shown.

@@ -15,7 +15,6 @@ use super::temporal::{History, PixelMean, Samples};
 use super::{
     BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
     direct_irradiance, film_variance, fireflies, luminance, motions, reflections, settled_weight, settles, spatial,
-    temporal,
 };
 use crate::integrator::guides::Guide;
 use crate::integrator::pixel_albedo::TexturedFilm;
@@ -108,9 +107,8 @@ impl CpuReconstruction {
                          irradiance: &[Vec3],
                          past: Option<(&History, &EarlierPoints)>| {
             let past = past.filter(|_| options.reprojection);
-            let limits = self.changes.scene.then(|| temporal::plausible_luminances(frame, irradiance));
             let new = Samples { irradiance, count: samples as f32 };
-            History::new(frame, shown, new, past, max_history, limits.as_ref())
+            History::new(frame, shown, new, past, max_history, self.changes.scene)
         };
         let history = continued(frame, (guides, surfaces), &irradiance, past.map(|past| (&past.history, &earlier)));
         clock.ends("reprojection");
@@ -178,7 +176,7 @@ impl CpuReconstruction {
             picture: &past.shown,
             history: &past.history,
             earlier: &earlier,
-            new_weight: new_weight(samples),
+            new_weight: new_weight(samples, self.changes.scene),
         });
         let shown = antialiased((&history, surfaces), (&clean, textures), size, last, emitters.is_some());
         clock.ends("anti-aliasing");

@@ -263,7 +263,7 @@ impl GpuReconstruction {
             gain: display.gain(),
             tonemap: display.tonemap as u32,
             settles: u32::from(settles(film.samples)) << u32::from(frame.size() == size),
-            new_weight: antialiasing::new_weight(film.samples),
+            new_weight: antialiasing::new_weight(film.samples, self.changes.scene),
             has_facets: 0,
             past_has_facets: u32::from(past.is_some_and(|past| past.has_facets)),
             has_emitters: u32::from(film.coverages.is_some()),
@@ -318,7 +318,8 @@ impl GpuReconstruction {
             recorder.run("deformation", &pass.pipeline, &[0, 2, 4, 12, 13], target);
         }
         recorder.spread_fireflies(passes, options, target);
-        recorder.run("reprojection", &passes.accumulate, &[0, 2, 3, 5, 6, 7, 12], target);
+        let past = [uniforms.max_history > 0.0, uniforms.scene_changed != 0];
+        recorder.accumulate("reprojection", passes, target, past);
         recorder.filter(&passes.filter, options, target);
         let half = Target { layer: Layer::Half, source: 0, size: traced.map(|side| side.div_ceil(2)) };
         recorder.run("indirect light", &passes.halve, &[0, 1, 2, 4, 17, 18, 19], Target { layer: Layer::Base, ..half });
@@ -326,7 +327,7 @@ impl GpuReconstruction {
             recorder.run("deformation", &pass.pipeline, &[0, 2, 4, 12, 13], half);
         }
         recorder.spread_fireflies(passes, options, half);
-        recorder.run("indirect light", &passes.accumulate, &[0, 2, 3, 5, 6, 7, 12], half);
+        recorder.accumulate("indirect light", passes, half, past);
         recorder.filter(&passes.filter_half, options, half);
         recorder.run("indirect light", &passes.add_indirect, &[0, 2, 7, 17, 18], target);
         if let (Some(facets), Some(facet_passes)) = (facets, &self.facet_passes) {

@@ -4,7 +4,8 @@ use super::gpu_buffers::{Buffers, FacetBuffers, FilmBuffers};
 use super::motion::LeafMotion;
 use super::spatial::{DIRECT_REACH, SMOOTH_REACH, STEPS};
 use super::{
-    PassTime, ReconstructOptions, antialiasing, fireflies, indirect, motion, reflections, spatial, surfaces, temporal,
+    PassTime, ReconstructOptions, antialiasing, changed_light, fireflies, indirect, motion, reflections, spatial,
+    surfaces, temporal,
 };
 use crate::backend::gpu::shaders::{ShaderFile, shader_files, with_imports};
 use crate::backend::gpu::{Device, GpuTimer};
@@ -95,6 +96,7 @@ impl PassUniforms {
 pub(super) static FILES: &[ShaderFile] = shader_files![
     "reconstruct/antialiasing" shares antialiasing::shared_wgsl,
     "reconstruct/base",
+    "reconstruct/changed_light" shares changed_light::shared_wgsl,
     "reconstruct/deformation",
     "reconstruct/direct",
     "reconstruct/emitters",
@@ -119,6 +121,8 @@ pub(super) struct Passes {
     pub(super) find_fireflies: wgpu::ComputePipeline,
     pub(super) spread_fireflies: wgpu::ComputePipeline,
     pub(super) accumulate: wgpu::ComputePipeline,
+    /// After a change of the scene.
+    pub(super) changed_light: ChangedLightPasses,
     pub(super) filter: FilterPasses,
     pub(super) halve: wgpu::ComputePipeline,
     /// Filter of the indirect light.
@@ -129,6 +133,21 @@ pub(super) struct Passes {
     pub(super) compare_with_film: wgpu::ComputePipeline,
     pub(super) mix_with_film: wgpu::ComputePipeline,
     pub(super) show: wgpu::ComputePipeline,
+}
+
+/// Kernels that join new samples with a past in other light.
+pub(super) struct ChangedLightPasses {
+    add_up: wgpu::ComputePipeline,
+    scale: wgpu::ComputePipeline,
+    join: wgpu::ComputePipeline,
+}
+
+impl ChangedLightPasses {
+    fn new(gpu: &wgpu::Device) -> Self {
+        let module = module(gpu, "reconstruct/changed_light", BASE);
+        let pipeline = |entry_point: &str| pipeline(gpu, &module, entry_point, &[]);
+        Self { add_up: pipeline("add_up_light"), scale: pipeline("scale_past"), join: pipeline("join_past") }
+    }
 }
 
 /// Kernels of the spatial filter of one layer of light.
@@ -252,6 +271,7 @@ impl Passes {
             find_fireflies: pipeline(&spatial, "find_fireflies"),
             spread_fireflies: pipeline(&spatial, "spread_fireflies"),
             accumulate: pipeline(&temporal, "accumulate"),
+            changed_light: ChangedLightPasses::new(gpu),
             filter: FilterPasses::new(gpu, BASE, DIRECT_REACH),
             halve: pipeline(&indirect, "halve"),
             filter_half: FilterPasses::new(gpu, BASE, SMOOTH_REACH),
@@ -393,6 +413,23 @@ impl PassRecorder<'_> {
         if options.firefly_filter {
             self.run("fireflies", &passes.find_fireflies, &[0, 2, 7, 8], target);
             self.run("fireflies", &passes.spread_fireflies, &[0, 2, 7, 8], target);
+        }
+    }
+
+    /// Continues the means of the last picture; `has_past` if there is one, and `light_changed` if it may have other light.
+    pub(super) fn accumulate(
+        &mut self,
+        name: &'static str,
+        passes: &Passes,
+        target: Target,
+        [has_past, light_changed]: [bool; 2],
+    ) {
+        self.run(name, &passes.accumulate, &[0, 2, 3, 5, 6, 7, 12], target);
+        if has_past && light_changed {
+            let ChangedLightPasses { add_up, scale, join } = &passes.changed_light;
+            self.run(name, add_up, &[0, 2, 5, 7, 8, 10], target);
+            self.run(name, scale, &[0, 2, 5, 7, 8, 10], target);
+            self.run(name, join, &[0, 2, 5, 7], target);
         }
     }
 

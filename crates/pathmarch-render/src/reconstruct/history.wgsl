@@ -1,5 +1,6 @@
 // import: reconstruct/pass
-// Means of pixels, and how they are found in the last picture. Twin of `PixelMean`, `History` and `joined` in temporal.rs.
+// Means of pixels, and how they are found in the last picture. Twin of `PixelMean`, `History` and `Found` in
+// temporal.rs.
 
 /// Mean of new samples alone; `square` is that of their luminance.
 fn new_mean(irradiance: vec3f, square: f32) -> History {
@@ -9,20 +10,28 @@ fn new_mean(irradiance: vec3f, square: f32) -> History {
     return History(irradiance, f32(uniforms.samples), moments, vec2f(-1e9));
 }
 
-/// Joins the mean of the past with that of new samples. The past has a luminance within limits and counts at most so many
-/// samples.
-fn joined(past: History, present: History, limits: vec2f, max_length: f32) -> History {
+/// A mean of the past with a luminance within limits, and with at most so many samples.
+fn limited(past: History, limits: vec2f, max_length: f32) -> History {
     let old = luminance(past.irradiance);
     let clamped = clamp(old, limits.x, limits.y);
     let factor = select(clamped / max(old, 1e-9), 1.0, clamped == old);
     // The less of it is plausible, the fewer samples it is worth.
     let agreement = (min(clamped, old) + 1e-9) / (max(clamped, old) + 1e-9);
-    let length = min(past.length * agreement * agreement, max_length);
-    let share = present.length / (present.length + length);
     return History(
-        mix(past.irradiance * factor, present.irradiance, share),
-        present.length + length,
-        mix(past.moments * vec2f(factor, factor * factor), present.moments, share),
+        past.irradiance * factor,
+        min(past.length * agreement * agreement, max_length),
+        past.moments * vec2f(factor, factor * factor),
+        past.before,
+    );
+}
+
+/// Joins the mean of the past with that of new samples.
+fn joined(past: History, present: History) -> History {
+    let share = present.length / (present.length + past.length);
+    return History(
+        mix(past.irradiance, present.irradiance, share),
+        present.length + past.length,
+        mix(past.moments, present.moments, share),
         past.before,
     );
 }

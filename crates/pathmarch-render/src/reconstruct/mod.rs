@@ -19,6 +19,7 @@
 //! **Limits.** What is seen through glass moves with its surface.
 
 mod antialiasing;
+mod changed_light;
 mod cpu;
 mod emitters;
 mod film_view;

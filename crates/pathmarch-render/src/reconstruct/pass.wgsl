@@ -164,6 +164,18 @@ fn same_point(a: Guide, b: Guide, pixel: f32) -> bool {
         && dot(a.normal, b.normal) >= MIN_NORMAL_COSINE;
 }
 
+/// Normal of the first surface of a pixel.
+fn normal_at(pixel: u32) -> vec3f {
+    return from_octahedral(unpack2x16snorm(guides[4u * pixel + 1u].x));
+}
+
+/// True if two pixels, of which the first has this normal, show one side of an object: if the bits of this mask are equal in the
+/// words of their objects.
+fn are_one_side(here: u32, normal: vec3f, there: u32, mask: u32) -> bool {
+    let objects = (guides[4u * here + 2u].x ^ guides[4u * there + 2u].x) & mask;
+    return objects == 0u && dot(normal, normal_at(there)) >= MIN_NORMAL_COSINE;
+}
+
 /// Length of the path from the camera to the point of a guide, metres.
 fn path_length(guide: Guide) -> f32 {
     return distance(guide.position, uniforms.position);

@@ -206,7 +206,7 @@ pub(super) fn box_sums_of_surfaces<const N: usize>(
 
 /// Sums over squares of pixels, eight at a time: `counts` is the mask of those at the second place for those at the first.
 #[inline(always)]
-fn sums_where<const N: usize>(
+pub(super) fn sums_where<const N: usize>(
     grid: Grid,
     radius: i32,
     values: impl Fn(usize) -> [f32; N] + Sync,

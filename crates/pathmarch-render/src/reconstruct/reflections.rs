@@ -24,7 +24,7 @@ use super::motion::EarlierPoints;
 use super::planes::{Place, Planes, box_sums_of_surfaces, by_eight};
 use super::surfaces::{SurfacePlanes, Vectors};
 use super::temporal::{
-    Clamp, Found, History, MIN_NORMAL_COSINE, Means, PixelMean, Positions, Samples, camera_moves, plausible_range,
+    Found, History, MIN_NORMAL_COSINE, Means, PixelMean, Positions, Samples, camera_moves, plausible_range,
 };
 use super::{Changes, luminance};
 use crate::integrator::guides::Guide;
@@ -212,11 +212,9 @@ impl Present<'_> {
             let [least, most] = image.limits;
             // What media scatter is limited after changes of the scene only.
             let of_facets = || [are_facets & least, are_facets.select(most, f32x8::splat(f32::MAX))];
-            let clamp = Clamp {
-                limits: if changes.scene { Some(image.limits) } else { moves.then(of_facets) },
-                max_length: if moves { longest.fast_min(image.max_history) } else { longest },
-            };
-            found.joined(alone, &clamp).each()
+            let limits = if changes.scene { Some(image.limits) } else { moves.then(of_facets) };
+            let max_length = if moves { longest.fast_min(image.max_history) } else { longest };
+            found.limited(limits, max_length).joined(alone).each()
         })
     }
 

@@ -19,18 +19,11 @@ fn is_medium_at(pixel: u32) -> bool {
     return (guides[4u * pixel + 3u].w >> 24u) == 255u;
 }
 
-/// Normal of the first surface of a pixel.
-fn normal_at(pixel: u32) -> vec3f {
-    return from_octahedral(unpack2x16snorm(guides[4u * pixel + 1u].x));
-}
-
 /// True if the layers of two pixels, of which the first has this normal, are parts of one: that of an object's side, or of
 /// media.
 fn are_one_layer(here: u32, normal: vec3f, there: u32) -> bool {
-    let objects = (guides[4u * here + 2u].x ^ guides[4u * there + 2u].x) & OBJECT_BITS;
-    let is_one_side = objects == 0u && dot(normal, normal_at(there)) >= MIN_NORMAL_COSINE;
     let are_media = is_medium_at(here);
-    return are_media == is_medium_at(there) && (are_media || is_one_side);
+    return are_media == is_medium_at(there) && (are_media || are_one_side(here, normal, there, OBJECT_BITS));
 }
 
 /// Adds up luminance, its square, weight and weighted depth along the rows, and the number of pixels of the layer, which the
@@ -130,7 +123,7 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
         found = mean_at(project_before(mirrored) + to_middle, moved, image.x + path_length(guide), FINDS_MEDIUM);
         if found.length > 0.0 {
             let max_history = select(uniforms.max_history, min(uniforms.max_history, MAX_MEDIUM_HISTORY), moves);
-            history[pixel] = joined(found, alone, limits, max_history);
+            history[pixel] = joined(limited(found, limits, max_history), alone);
         }
         return;
     }
@@ -150,5 +143,5 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
         let turn = curvature(position, guide).turn * uniforms.pixel * path_length(guide);
         max_history = min(max_history, guide.alpha / (turn + MIN_TURN));
     }
-    history[pixel] = joined(found, alone, limits, max_history);
+    history[pixel] = joined(limited(found, limits, max_history), alone);
 }

@@ -1,7 +1,8 @@
 //! Reprojection and temporal accumulation.
 
+use super::changed_light;
 use super::motion::EarlierPoints;
-use super::planes::{Grid, Place, Planes, SQUARE_OF_3, box_sums, by_eight};
+use super::planes::{Grid, Place, SQUARE_OF_3, by_eight};
 use super::surfaces::{Points, SurfacePlanes, Vectors};
 use super::{PixelHistory, luminance, variance_without_facets};
 use crate::integrator::guides::Guide;
@@ -43,7 +44,7 @@ pub(super) struct Means {
     pub(super) irradiance: Vectors,
     pub(super) length: f32x8,
     pub(super) moments: [f32x8; 2],
-    before: [f32x8; 2],
+    pub(super) before: [f32x8; 2],
 }
 
 /// Point that a pixel shows, as the next picture looks it up. Small, since every pixel looks at several.
@@ -158,10 +159,6 @@ shared_constants! {
     /// Longest history of surfaces that are not smooth, as those of fractals, while the camera moves, samples: the past,
     /// interpolated again and again, would blur them.
     const MAX_ROUGH_HISTORY: f32 = 3.0;
-    /// Half the side of the square that decides which luminance is plausible, pixels.
-    const PLAUSIBLE_RADIUS: i32 = 2;
-    /// Standard deviations of single samples by which a mean may differ from that of the square: three standard errors.
-    const PLAUSIBLE_REACH: f32 = 0.6;
     /// Squared deviation of the luminance of the pixels between which the past is interpolated, in variances of its mean, from
     /// which on the history is shortened: interpolated again and again, the edges of shadows would blur.
     const MAX_CONTRAST: f32 = 0.3;
@@ -228,6 +225,15 @@ impl Means {
         Self::from_lanes(transposed(indices.map(row)))
     }
 
+    /// These, in light that is multiplied by factors of its channels.
+    #[inline(always)]
+    pub(super) fn scaled(self, factors: Vectors) -> Self {
+        let irradiance = self.irradiance.times(factors);
+        let factor = luminances(irradiance) / luminances(self.irradiance).fast_max(f32x8::splat(1e-9));
+        let moments = [self.moments[0] * factor, self.moments[1] * factor * factor];
+        Self { irradiance, moments, ..self }
+    }
+
     /// These where the mask is set, else others.
     #[inline(always)]
     fn select(self, mask: f32x8, others: Self) -> Self {
@@ -239,14 +245,6 @@ impl Means {
             before: pair(self.before, others.before),
         }
     }
-}
-
-/// What limits the past of eight pixels.
-pub(super) struct Clamp {
-    /// Least and largest plausible luminance.
-    pub(super) limits: Option<[f32x8; 2]>,
-    /// Samples that count at most.
-    pub(super) max_length: f32x8,
 }
 
 /// Means of the past of eight pixels, and the mask of those that have one.
@@ -271,28 +269,35 @@ impl Found {
         Self { means: self.means.select(self.mask, others.means), mask: self.mask | others.mask }
     }
 
+    /// These with a luminance within limits, if they have any, and with at most so many samples.
+    #[inline(always)]
+    pub(super) fn limited(self, limits: Option<[f32x8; 2]>, max_length: f32x8) -> Self {
+        let Self { mut means, mask } = self;
+        if let Some([least, most]) = limits {
+            let old = luminances(means.irradiance);
+            let clamped = old.fast_max(least).fast_min(most);
+            let factor = clamped / old.fast_max(f32x8::splat(1e-9));
+            means.irradiance = means.irradiance * factor;
+            means.moments = [means.moments[0] * factor, means.moments[1] * factor * factor];
+            // The less of it is plausible, the fewer samples it is worth.
+            let agreement = (clamped.fast_min(old) + 1e-9) / (clamped.fast_max(old) + 1e-9);
+            means.length *= agreement * agreement;
+        }
+        means.length = means.length.fast_min(max_length);
+        Self { means, mask }
+    }
+
     /// Joins the means of the past with those of new samples.
     #[inline(always)]
-    pub(super) fn joined(self, new: Means, clamp: &Clamp) -> Means {
-        let Means { irradiance: mut old, mut length, mut moments, before } = self.means;
-        if let Some([least, most]) = clamp.limits {
-            let old_luminance = luminances(old);
-            let clamped = old_luminance.fast_max(least).fast_min(most);
-            let factor = clamped / old_luminance.fast_max(f32x8::splat(1e-9));
-            old = old * factor;
-            moments = [moments[0] * factor, moments[1] * factor * factor];
-            // The less of it is plausible, the fewer samples it is worth.
-            let agreement = (clamped.fast_min(old_luminance) + 1e-9) / (clamped.fast_max(old_luminance) + 1e-9);
-            length *= agreement * agreement;
-        }
-        let length = length.fast_min(clamp.max_length);
-        let share = new.length / (new.length + length);
+    pub(super) fn joined(self, new: Means) -> Means {
+        let old = self.means;
+        let share = new.length / (new.length + old.length);
         let mean = |old: f32x8, new: f32x8| old + (new - old) * share;
         let joined = Means {
-            irradiance: old + (new.irradiance - old) * share,
-            length: new.length + length,
-            moments: [mean(moments[0], new.moments[0]), mean(moments[1], new.moments[1])],
-            before,
+            irradiance: old.irradiance + (new.irradiance - old.irradiance) * share,
+            length: new.length + old.length,
+            moments: [mean(old.moments[0], new.moments[0]), mean(old.moments[1], new.moments[1])],
+            before: old.before,
         };
         joined.select(self.mask, new)
     }
@@ -312,15 +317,6 @@ pub(super) fn plausible_range([light, squares, count]: [f32x8; 3], reach: f32) -
     let (mean, square) = (light / count, squares / count);
     let reach = (square - mean * mean).fast_max(f32x8::ZERO).sqrt() * reach;
     [(mean - reach).fast_max(f32x8::ZERO), mean + reach]
-}
-
-/// Least and largest luminance that the mean of each pixel may have, judged from the samples around it.
-pub(super) fn plausible_luminances(frame: &FrameUniforms, irradiance: &[Vec3]) -> Planes<2> {
-    let sums = box_sums(frame.size(), PLAUSIBLE_RADIUS, |index| {
-        let luminance = luminance(irradiance[index]);
-        [luminance, luminance * luminance, 1.0]
-    });
-    Planes::of_eight(sums.grid, |place| plausible_range(sums.lanes(place), PLAUSIBLE_REACH))
 }
 
 /// Positions in a picture, pixels from its top left corner, and the mask of those that are in front of its camera.
@@ -360,27 +356,25 @@ impl Tap {
 }
 
 impl History {
-    /// Joins new samples with the past. If given, its luminance is clamped to the limits of each pixel.
+    /// Joins new samples with the past, whose light may be another if the scene `has_changed`.
     pub(super) fn new(
         frame: &FrameUniforms,
         (guides, surfaces): (&Arc<Vec<Guide>>, &SurfacePlanes),
         new: Samples,
         past: Option<(&History, &EarlierPoints)>,
         max_length: f32,
-        limits: Option<&Planes<2>>,
+        has_changed: bool,
     ) -> Self {
         let moves = past.is_some_and(|(past, _)| camera_moves(&past.frame, frame));
         let past = past.filter(|_| max_length > 0.0);
         let (grid, longest, projection) = (surfaces.grid, f32x8::splat(max_length), Projection::new(frame));
-        let join = |place: Place| {
-            let indices = place.indices(grid);
-            let square = |index: usize, mean: f32| mean * mean + variance_without_facets(&guides[index], mean);
-            let alone = Means::alone(&new, indices, square);
-            let Some((past, earlier)) = past else { return alone.each() };
+        let square = |index: usize, mean: f32| mean * mean + variance_without_facets(&guides[index], mean);
+        let alone = |place: Place| Means::alone(&new, place.indices(grid), square);
+        let find = |place: Place| {
+            let Some((past, earlier)) = past else { return Found::NONE };
             let points = surfaces.points(place);
-            let sought = past.sought(&points, earlier, indices, frame);
+            let sought = past.sought(&points, earlier, place.indices(grid), frame);
             let to_middle = past.offset_to_middle(&projection, place, points.position);
-            let found = past.find(&sought, to_middle, &past.means);
             let max_length = match moves {
                 true => {
                     let rough = surfaces
@@ -390,15 +384,19 @@ impl History {
                 }
                 false => longest,
             };
-            let limits = limits.map(|limits| limits.lanes(place));
-            found.joined(alone, &Clamp { limits, max_length }).each()
+            past.find(&sought, to_middle, &past.means).limited(None, max_length)
+        };
+        let means = match past {
+            Some(_) if has_changed => changed_light::joined(surfaces, new.irradiance, find, alone),
+            Some(_) => by_eight(grid, |place| find(place).joined(alone(place)).each()),
+            None => by_eight(grid, |place| alone(place).each()),
         };
         let eye = Vectors::constant(frame.position);
         Self {
             frame: *frame,
             guides: guides.clone(),
             projection,
-            means: by_eight(grid, join),
+            means,
             points: by_eight(grid, |place| ShownPoints::of(surfaces, place, eye).each()),
         }
     }
@@ -641,10 +639,9 @@ mod tests {
         guides: Vec<Guide>,
         new: Samples,
         past: Option<(&History, &EarlierPoints)>,
-        limits: Option<&Planes<2>>,
     ) -> History {
         let surfaces = SurfacePlanes::new(frame, &guides, false);
-        History::new(frame, (&Arc::new(guides), &surfaces), new, past, 24.0, limits)
+        History::new(frame, (&Arc::new(guides), &surfaces), new, past, 24.0, false)
     }
 
     /// Lengths of the histories of a picture after one of the plane, from these cameras, whose guides `change` alters.
@@ -654,7 +651,7 @@ mod tests {
         let irradiance = vec![Vec3::ONE; 1200];
         let picture = |frame: &FrameUniforms, guides: Vec<Guide>, past: Option<(&History, &EarlierPoints)>| {
             let new = Samples { irradiance: &irradiance, count: 1.0 };
-            history_of(frame, guides, new, past, None)
+            history_of(frame, guides, new, past)
         };
         let past = picture(&past.0, past.1, None);
         let present = picture(&frame, guides, Some((&past, &EarlierPoints::default())));
@@ -697,7 +694,7 @@ mod tests {
             let irradiance = vec![Vec3::ONE; guides.len()];
             let new = Samples { irradiance: &irradiance, count: 1.0 };
             let still = EarlierPoints::default();
-            let history = history_of(&input.frame, guides, new, past.as_ref().map(|past| (past, &still)), None);
+            let history = history_of(&input.frame, guides, new, past.as_ref().map(|past| (past, &still)));
             if past.is_some() {
                 for (object, least, most) in [(NO_OBJECT, 0.85, 1.0), (0, 0.0, 0.05), (1, 0.85, 1.0)] {
                     let seen = history.guides.iter().zip(&history.means).filter(|(guide, _)| guide.object == object);
@@ -721,7 +718,7 @@ mod tests {
             let earlier = EarlierPoints::default();
             let last = past.as_ref().map(|(history, _)| (history, &earlier));
             let new = Samples { irradiance: &new, count: 1.0 };
-            past = Some((history_of(&frame, guides, new, last, None), truth));
+            past = Some((history_of(&frame, guides, new, last), truth));
         }
         let (history, truth) = past.expect("a picture");
         let is_off = |(mean, truth): &(&PixelMean, &f32)| (mean.irradiance.x - *truth).abs() > 0.2;
@@ -753,7 +750,7 @@ mod tests {
             }
             let earlier = EarlierPoints::default();
             let last = past.as_ref().map(|history| (history, &earlier));
-            past = Some(history_of(&frame, guides, Samples { irradiance: &irradiance, count: 1.0 }, last, None));
+            past = Some(history_of(&frame, guides, Samples { irradiance: &irradiance, count: 1.0 }, last));
         }
         for (mean, own) in past.expect("a picture").means.iter().zip(&irradiance) {
             let error = (mean.irradiance - *own).length();
@@ -778,22 +775,26 @@ mod tests {
 
     #[test]
     fn a_past_that_is_hardly_plausible_counts_less() {
-        let (frame, guides) = on_a_plane([1.0, 2.0, 6.0]);
-        let picture = |light: f32, past: Option<(&History, &EarlierPoints)>, limits: Option<&Planes<2>>| {
-            let irradiance = vec![Vec3::splat(light); 1200];
-            history_of(&frame, guides.clone(), Samples { irradiance: &irradiance, count: 1.0 }, past, limits)
+        let light = |light: f32| Means {
+            irradiance: Vectors::splat(f32x8::splat(light)),
+            length: f32x8::splat(4.0),
+            moments: [light, light * light].map(f32x8::splat),
+            before: [f32x8::ZERO; 2],
         };
-        let still = EarlierPoints::default();
-        let mut past = picture(8.0, None, None);
-        for _ in 0..3 {
-            past = picture(8.0, Some((&past, &still)), None);
-        }
-        let limits = |light: f32| Planes::new(past.grid(), [0.0; 2], |_| [light, light]);
-        let after = |light: f32| picture(light, Some((&past, &still)), Some(&limits(light))).means[600];
-        assert_eq!((after(8.0).length, after(8.0).irradiance), (5.0, Vec3::splat(8.0)));
+        let after = |limit: f32, max_length: f32| {
+            let found = Found { means: light(8.0), mask: f32x8::ZERO.simd_eq(f32x8::ZERO) };
+            let limited = found.limited(Some([f32x8::splat(limit); 2]), f32x8::splat(max_length));
+            let new = Means { length: f32x8::ONE, ..light(limit) };
+            let [mean, ..] = limited.joined(new).each();
+            (mean.irradiance.x, mean.length)
+        };
+        assert_eq!(after(8.0, 24.0), (8.0, 5.0));
+        assert_eq!(after(8.0, 3.0), (8.0, 4.0));
         // Half as much light: a quarter of the samples.
-        assert!((after(4.0).length - 2.0).abs() < 1e-5 && (after(4.0).irradiance - 4.0).length() < 1e-5);
-        assert!((after(16.0).length - 2.0).abs() < 1e-5);
+        for limit in [4.0, 16.0] {
+            let (light, length) = after(limit, 24.0);
+            assert!((light - limit).abs() < 1e-5 && (length - 2.0).abs() < 1e-5, "{light} {length}");
+        }
     }
 
     /// What a plane mirror shows is a world behind it, in which points stand still when the camera moves: the floor there

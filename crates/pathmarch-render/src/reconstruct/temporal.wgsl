@@ -22,7 +22,7 @@ fn divide(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-/// Continues the means of the last picture.
+/// Continues the means of the last picture. After a change of the scene it finds them only, see changed_light.wgsl.
 @compute @workgroup_size(8, 8)
 fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     let position = vec2i(id.xy);
@@ -39,14 +39,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     }
     let moved = earlier(guide, pixel);
     let place = project_before(moved.position) + offset_to_middle(position, guide.position);
-    let found = mean_at(place, moved, coarser_pixel(guide), FINDS_POINT);
-    if found.length <= 0.0 {
-        return;
-    }
-    var limits = vec2f(0.0, 3e38);
-    if uniforms.scene_changed != 0u {
-        limits = plausible_luminance(position);
-    }
+    var found = mean_at(place, moved, coarser_pixel(guide), FINDS_POINT);
     var max_length = uniforms.max_history;
     if uniforms.camera_moves != 0u {
         if guide.is_glossy && !has_facets(guide) {
@@ -55,24 +48,10 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
             max_length = min(max_length, MAX_ROUGH_HISTORY);
         }
     }
-    history[pixel] = joined(found, alone, limits, max_length);
-}
-
-/// Least and largest luminance that the mean of a pixel may have, judged from the samples around it.
-fn plausible_luminance(position: vec2i) -> vec2f {
-    var sum = vec2f(0.0);
-    var count = 0.0;
-    for (var y = -PLAUSIBLE_RADIUS; y <= PLAUSIBLE_RADIUS; y++) {
-        for (var x = -PLAUSIBLE_RADIUS; x <= PLAUSIBLE_RADIUS; x++) {
-            let place = position + vec2i(x, y);
-            if is_inside(place) {
-                let l = luminance(estimates[pixel_index(place)].xyz);
-                sum += vec2f(l, l * l);
-                count += 1.0;
-            }
-        }
+    found.length = min(found.length, max_length);
+    if uniforms.scene_changed != 0u {
+        history[pixel] = found;
+    } else if found.length > 0.0 {
+        history[pixel] = joined(found, alone);
     }
-    let mean = sum.x / count;
-    let reach = PLAUSIBLE_REACH * sqrt(max(sum.y / count - mean * mean, 0.0));
-    return vec2f(max(mean - reach, 0.0), mean + reach);
 }
