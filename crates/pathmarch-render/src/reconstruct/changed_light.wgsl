@@ -1,6 +1,6 @@
-// import: reconstruct/direct, reconstruct/history
-// Means of the past after a change of the scene. Twin of changed_light.rs, which explains it. The kernel `accumulate` leaves
-// the past in the history, with a length of 0 where there is none.
+// import: layer, reconstruct/history
+// Means of the past after a change of the scene. Twin of changed_light.rs, which explains it. The kernels that find the
+// past leave it in the history, with a length of 0 where there is none.
 
 /// Difference of pixels without a past.
 const NO_DIFFERENCE = 3e38;
@@ -69,7 +69,7 @@ fn join_past(@builtin(global_invocation_id) id: vec3u) {
     let here = pixel_index(position);
     let irradiance = estimates[here].xyz;
     let guide = guide_at(here);
-    let alone = new_mean(irradiance, direct_square(guide, luminance(irradiance)));
+    let alone = new_mean(irradiance, mean_square(guide, luminance(irradiance)));
     var past = history[here];
     if past.length <= 0.0 {
         history[here] = alone;

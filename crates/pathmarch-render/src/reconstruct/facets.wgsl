@@ -23,3 +23,8 @@ fn shared_reflection(a: Guide, b: Guide, pixels: vec2u, apart: vec3f, side: f32)
     let turn_reach = TURN_REACH * min(a.alpha, b.alpha);
     return max(1.0 - dot(apart, apart) / (reach * reach) - dot(turned, turned) / (turn_reach * turn_reach), 0.0);
 }
+
+/// Mean square of the luminance of its samples, whose mean is this.
+fn mean_square(guide: Guide, mean: f32) -> f32 {
+    return guide.reflected_square;
+}

@@ -318,8 +318,11 @@ impl GpuReconstruction {
             recorder.run("deformation", &pass.pipeline, &[0, 2, 4, 12, 13], target);
         }
         recorder.spread_fireflies(passes, options, target);
-        let past = [uniforms.max_history > 0.0, uniforms.scene_changed != 0];
-        recorder.accumulate("reprojection", passes, target, past);
+        recorder.run("reprojection", &passes.accumulate, &[0, 2, 3, 5, 6, 7, 12], target);
+        let has_changed = uniforms.scene_changed != 0 && uniforms.max_history > 0.0;
+        if has_changed {
+            recorder.join_changed_light("reprojection", &passes.changed_light, target);
+        }
         recorder.filter(&passes.filter, options, target);
         let half = Target { layer: Layer::Half, source: 0, size: traced.map(|side| side.div_ceil(2)) };
         recorder.run("indirect light", &passes.halve, &[0, 1, 2, 4, 17, 18, 19], Target { layer: Layer::Base, ..half });
@@ -327,7 +330,10 @@ impl GpuReconstruction {
             recorder.run("deformation", &pass.pipeline, &[0, 2, 4, 12, 13], half);
         }
         recorder.spread_fireflies(passes, options, half);
-        recorder.accumulate("indirect light", passes, half, past);
+        recorder.run("indirect light", &passes.accumulate, &[0, 2, 3, 5, 6, 7, 12], half);
+        if has_changed {
+            recorder.join_changed_light("indirect light", &passes.changed_light, half);
+        }
         recorder.filter(&passes.filter_half, options, half);
         recorder.run("indirect light", &passes.add_indirect, &[0, 2, 7, 17, 18], target);
         if let (Some(facets), Some(facet_passes)) = (facets, &self.facet_passes) {
@@ -339,6 +345,9 @@ impl GpuReconstruction {
             recorder.run("reflections", &facet_passes.find_images, &[0, 2, 5, 8, 15], target);
             recorder.encoder.copy_buffer_to_buffer(&buffers.estimates[1], 0, &facets.images, 0, bytes);
             recorder.run("reflections", &facet_passes.accumulate, &[0, 2, 3, 5, 6, 7, 12, 15], target);
+            if has_changed && uniforms.past_has_facets != 0 {
+                recorder.join_changed_light("reflections", &facet_passes.changed_light, target);
+            }
             recorder.filter(&facet_passes.filter, options, target);
         }
         recorder.run("emitters", &passes.remove_emitters, &[0, 2, 7, 8, 14, 16, 20], target);

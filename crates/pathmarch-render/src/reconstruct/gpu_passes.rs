@@ -143,8 +143,9 @@ pub(super) struct ChangedLightPasses {
 }
 
 impl ChangedLightPasses {
-    fn new(gpu: &wgpu::Device) -> Self {
-        let module = module(gpu, "reconstruct/changed_light", BASE);
+    /// Kernels for a layer.
+    fn new(gpu: &wgpu::Device, layer: &'static str) -> Self {
+        let module = module(gpu, "reconstruct/changed_light", layer);
         let pipeline = |entry_point: &str| pipeline(gpu, &module, entry_point, &[]);
         Self { add_up: pipeline("add_up_light"), scale: pipeline("scale_past"), join: pipeline("join_past") }
     }
@@ -176,6 +177,8 @@ pub(super) struct FacetPasses {
     pub(super) add_up_rows: wgpu::ComputePipeline,
     pub(super) find_images: wgpu::ComputePipeline,
     pub(super) accumulate: wgpu::ComputePipeline,
+    /// After a change of the scene.
+    pub(super) changed_light: ChangedLightPasses,
     pub(super) filter: FilterPasses,
 }
 
@@ -189,6 +192,7 @@ impl FacetPasses {
             add_up_rows: pipeline(gpu, &module, "add_up_rows", &[]),
             find_images: pipeline(gpu, &module, "find_images", &[]),
             accumulate: pipeline(gpu, &module, "accumulate_reflected", &[]),
+            changed_light: ChangedLightPasses::new(gpu, FACETS),
             filter: FilterPasses::new(gpu, FACETS, SMOOTH_REACH),
         };
         device.end_scope(validation)?;
@@ -271,7 +275,7 @@ impl Passes {
             find_fireflies: pipeline(&spatial, "find_fireflies"),
             spread_fireflies: pipeline(&spatial, "spread_fireflies"),
             accumulate: pipeline(&temporal, "accumulate"),
-            changed_light: ChangedLightPasses::new(gpu),
+            changed_light: ChangedLightPasses::new(gpu, BASE),
             filter: FilterPasses::new(gpu, BASE, DIRECT_REACH),
             halve: pipeline(&indirect, "halve"),
             filter_half: FilterPasses::new(gpu, BASE, SMOOTH_REACH),
@@ -416,21 +420,11 @@ impl PassRecorder<'_> {
         }
     }
 
-    /// Continues the means of the last picture; `has_past` if there is one, and `light_changed` if it may have other light.
-    pub(super) fn accumulate(
-        &mut self,
-        name: &'static str,
-        passes: &Passes,
-        target: Target,
-        [has_past, light_changed]: [bool; 2],
-    ) {
-        self.run(name, &passes.accumulate, &[0, 2, 3, 5, 6, 7, 12], target);
-        if has_past && light_changed {
-            let ChangedLightPasses { add_up, scale, join } = &passes.changed_light;
-            self.run(name, add_up, &[0, 2, 5, 7, 8, 10], target);
-            self.run(name, scale, &[0, 2, 5, 7, 8, 10], target);
-            self.run(name, join, &[0, 2, 5, 7], target);
-        }
+    /// Joins the past that was found after a change of the scene with the new samples.
+    pub(super) fn join_changed_light(&mut self, name: &'static str, passes: &ChangedLightPasses, target: Target) {
+        self.run(name, &passes.add_up, &[0, 2, 5, 7, 8, 10], target);
+        self.run(name, &passes.scale, &[0, 2, 5, 7, 8, 10], target);
+        self.run(name, &passes.join, &[0, 2, 5, 7], target);
     }
 
     /// Filters the means of a layer: the last pass writes the estimates of index 0.

@@ -20,6 +20,7 @@
 //! way than the surface that refracts it, which is taken for the image. What is near in a medium moves faster than what is far,
 //! so that histories of its light are short.
 
+use super::changed_light;
 use super::motion::EarlierPoints;
 use super::planes::{Place, Planes, box_sums_of_surfaces, by_eight};
 use super::surfaces::{SurfacePlanes, Vectors};
@@ -193,12 +194,13 @@ impl Present<'_> {
     pub(super) fn accumulated(&self, past: Option<Past>, changes: &Changes) -> Vec<PixelMean> {
         let moves = past.is_some_and(|past| camera_moves(&past.history.frame, &self.history.frame));
         let past = past.filter(|_| changes.max_history > 0.0);
-        by_eight(self.surfaces.grid, |place| {
-            let indices = place.indices(self.surfaces.grid);
-            let alone = Means::alone(&self.new, indices, |index, _| self.history.guides[index].reflected.square);
+        let grid = self.surfaces.grid;
+        let square = |index: usize, _| self.history.guides[index].reflected.square;
+        let alone = |place: Place| Means::alone(&self.new, place.indices(grid), square);
+        let find = |place: Place| {
             let alpha = self.surfaces.alpha(place);
             let have_layer = alpha.simd_gt(f32x8::ZERO);
-            let Some(past) = past.filter(|_| have_layer.any()) else { return alone.each() };
+            let Some(past) = past.filter(|_| have_layer.any()) else { return Found::NONE };
             let (image, are_media) = (self.images.at(place), are_media(alpha));
             let mut found = Found::NONE;
             if are_media.any() {
@@ -210,12 +212,16 @@ impl Present<'_> {
             }
             let longest = f32x8::splat(changes.max_history);
             let [least, most] = image.limits;
-            // What media scatter is limited after changes of the scene only.
-            let of_facets = || [are_facets & least, are_facets.select(most, f32x8::splat(f32::MAX))];
-            let limits = if changes.scene { Some(image.limits) } else { moves.then(of_facets) };
+            // What media scatter has no limits.
+            let limits = || [are_facets & least, are_facets.select(most, f32x8::splat(f32::MAX))];
             let max_length = if moves { longest.fast_min(image.max_history) } else { longest };
-            found.limited(limits, max_length).joined(alone).each()
-        })
+            found.limited(moves.then(limits), max_length)
+        };
+        match past {
+            Some(_) if changes.scene => changed_light::joined(self.surfaces, self.new.irradiance, find, alone),
+            Some(_) => by_eight(grid, |place| find(place).joined(alone(place)).each()),
+            None => by_eight(grid, |place| alone(place).each()),
+        }
     }
 
     /// See [`History::offset_to_middle`].

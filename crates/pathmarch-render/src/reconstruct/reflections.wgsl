@@ -95,7 +95,7 @@ fn find_images(@builtin(global_invocation_id) id: vec3u) {
     next_estimates[pixel] = vec4f(distance / max(bent, MIN_MAGNIFICATION), lobe_reach, limits);
 }
 
-/// Continues the means of the last picture.
+/// Continues the means of the last picture. After a change of the scene it finds them only, see changed_light.wgsl.
 @compute @workgroup_size(8, 8)
 fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
     let position = vec2i(id.xy);
@@ -106,7 +106,13 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
     let guide = guide_at(pixel);
     let alone = new_mean(estimates[pixel].xyz, guide.reflected_square);
     history[pixel] = alone;
-    if uniforms.max_history <= 0.0 || uniforms.past_has_facets == 0u || guide.alpha == 0.0 {
+    if uniforms.max_history <= 0.0 || uniforms.past_has_facets == 0u {
+        return;
+    }
+    if guide.alpha == 0.0 {
+        if uniforms.scene_changed != 0u {
+            history[pixel].length = 0.0;
+        }
         return;
     }
     let image = images[pixel];
@@ -116,32 +122,30 @@ fn accumulate_reflected(@builtin(global_invocation_id) id: vec3u) {
     let mirrored = guide.position + normalize(guide.position - uniforms.position) * image.x;
     let to_middle = offset_to_middle(position, guide.position);
     let is_medium = has_medium(guide);
-    let has_limits = uniforms.scene_changed != 0u || (moves && !is_medium);
-    let limits = select(vec2f(0.0, 3e38), image.zw, has_limits);
     var found: History;
+    var max_history = uniforms.max_history;
     if is_medium {
         found = mean_at(project_before(mirrored) + to_middle, moved, image.x + path_length(guide), FINDS_MEDIUM);
-        if found.length > 0.0 {
-            let max_history = select(uniforms.max_history, min(uniforms.max_history, MAX_MEDIUM_HISTORY), moves);
-            history[pixel] = joined(limited(found, limits, max_history), alone);
+        max_history = select(max_history, min(max_history, MAX_MEDIUM_HISTORY), moves);
+    } else {
+        // In a surface that moves, the image moves as well.
+        if moves && image.x > NO_IMAGE && all(moved.position == guide.position) {
+            found = mean_at(project_before(mirrored) + to_middle, moved, side, FINDS_REFLECTOR);
         }
-        return;
+        if found.length <= 0.0 {
+            found = mean_at(project_before(moved.position) + to_middle, moved, side, FINDS_POINT);
+            found.length = select(found.length, min(found.length, MAX_IMAGELESS_HISTORY), moves);
+        }
+        if moves && image.x > NO_IMAGE {
+            let turn = curvature(position, guide).turn * uniforms.pixel * path_length(guide);
+            max_history = min(max_history, guide.alpha / (turn + MIN_TURN));
+        }
     }
-    // In a surface that moves, the image moves as well.
-    if moves && image.x > NO_IMAGE && all(moved.position == guide.position) {
-        found = mean_at(project_before(mirrored) + to_middle, moved, side, FINDS_REFLECTOR);
+    // What media scatter has no limits.
+    found = limited(found, select(vec2f(0.0, 3e38), image.zw, moves && !is_medium), max_history);
+    if uniforms.scene_changed != 0u {
+        history[pixel] = found;
+    } else if found.length > 0.0 {
+        history[pixel] = joined(found, alone);
     }
-    if found.length <= 0.0 {
-        found = mean_at(project_before(moved.position) + to_middle, moved, side, FINDS_POINT);
-        found.length = select(found.length, min(found.length, MAX_IMAGELESS_HISTORY), moves);
-    }
-    if found.length <= 0.0 {
-        return;
-    }
-    var max_history = uniforms.max_history;
-    if moves && image.x > NO_IMAGE {
-        let turn = curvature(position, guide).turn * uniforms.pixel * path_length(guide);
-        max_history = min(max_history, guide.alpha / (turn + MIN_TURN));
-    }
-    history[pixel] = joined(limited(found, limits, max_history), alone);
 }
