@@ -153,6 +153,37 @@ fn light_that_is_switched_off_fades_at_once() {
     assert!(left[7].abs() < 0.1, "{left:?}");
 }
 
+/// A lamp gets redder and weaker in every picture.
+fn light_that_changes_its_colour_does_not_lag() {
+    let room = |frame: u32| {
+        let [green, blue] = [0.94f32, 0.88].map(|factor| 6.0 * factor.powi(frame as i32));
+        Arc::new(parse(&ROOM.replace("emit 6", &format!("emit 6 {green} {blue}"))))
+    };
+    let mut sequence = sequence();
+    let frames = (0..16).map(|frame| next(&mut sequence, &room(frame), moved(&room(frame), 0.0), frame));
+    let shown = frames.last().expect("a frame").reconstructed.mean_colour();
+    let [before, now] = [14, 15].map(|frame| converged(&room(frame), moved(&room(frame), 0.0)).mean_colour());
+    // Pictures by which the channels that change are late.
+    let late: [f64; 2] = [1, 2].map(|k| (shown[k] - now[k]) / (before[k] - now[k]));
+    println!("green and blue are {late:.3?} pictures late; red {:.4}", shown[0] / now[0]);
+    // Means over six pictures are five late.
+    assert!(late.iter().all(|late| late.abs() < 1.2), "{late:?}");
+    assert!((shown[0] / now[0] - 1.0).abs() < 0.02);
+}
+
+/// A lamp moves over a glossy floor and a box of metal.
+fn both_backends_follow_a_moving_lamp(renderers: &mut [Renderer; 2]) {
+    let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
+    for frame in 0..6 {
+        let lamp = format!("rect 0.8 0.8 {{ at {} 1.1 -1.5;", 0.2 + 0.1 * frame as f32);
+        let text = glossy_room("0.25").replace("sphere 0.4", "box 0.6 0.8 0.6");
+        let scene = Arc::new(parse(&text.replace("rect 0.8 0.8 { at 0.2 1.1 -1.5;", &lamp)));
+        let error = difference(&mut sequences, &scene, &settings(&scene, moved(&scene, 0.0), 1, frame), SIZE);
+        println!("frame {frame}: relMSE {error:.2e}");
+        assert!(error < 1e-4, "{frame}: {error}");
+    }
+}
+
 fn sizes_jumps_and_cuts_leave_finite_pictures(renderer: &Renderer) {
     let scenes = [room(), Arc::new(parse(&ROOM.replace("sphere 0.4", "torus 0.4 0.1")))];
     let mut sequence = Sequence::new(renderer, ReconstructOptions::default());
@@ -608,6 +639,7 @@ tests! {
     on_both_backends: [
         both_backends_reconstruct_alike,
         both_backends_filter_facets_alike,
+        both_backends_follow_a_moving_lamp,
         both_backends_filter_light_of_media_alike,
         both_backends_average_textures_alike,
         both_backends_follow_a_growing_ball,
@@ -628,6 +660,7 @@ tests! {
         textures_have_no_grain_while_the_camera_moves,
         lamps_out_of_focus_are_discs_while_the_camera_moves,
         light_that_is_switched_off_fades_at_once,
+        light_that_changes_its_colour_does_not_lag,
         a_still_picture_of_many_samples_is_not_altered,
     ],
 }

@@ -6,12 +6,13 @@ use super::antialiasing::{Last, ShownPicture, Textures, antialiased, new_weight}
 use super::emitters::EmitterLayer;
 use super::film_view::FilmView;
 use super::indirect::HalfFilm;
+use super::means::{PixelMean, Samples};
 use super::motion::{EarlierPoints, Motion};
 use super::planes::{Grid, box_sums};
 use super::reflections::Images;
 use super::spatial::{DIRECT_REACH, Filtered, SMOOTH_REACH};
 use super::surfaces::{SurfacePlanes, Vectors};
-use super::temporal::{History, PixelMean, Samples};
+use super::temporal::History;
 use super::{
     BIAS_RADIUS, Buffer, Changes, FULL_MOTION, MAX_HISTORY, OWN_VARIANCE, PassTime, PixelHistory, ReconstructOptions,
     direct_irradiance, film_variance, fireflies, luminance, motions, reflections, settled_weight, settles, spatial,

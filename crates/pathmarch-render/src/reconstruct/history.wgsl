@@ -1,5 +1,5 @@
 // import: reconstruct/pass
-// Means of pixels, and how they are found in the last picture. Twin of `PixelMean`, `History` and `Found` in
+// Means of pixels, how new samples join them, and how they are found in the last picture. Twin of means.rs and of `History` in
 // temporal.rs.
 
 /// Mean of new samples alone; `square` is that of their luminance.

@@ -165,7 +165,7 @@ impl HalfFilm {
 
 #[cfg(test)]
 mod tests {
-    use super::super::temporal::PixelMean;
+    use super::super::means::PixelMean;
     use super::*;
     use crate::backend::RenderInput;
     use crate::settings::Settings;

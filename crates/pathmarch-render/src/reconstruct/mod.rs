@@ -28,6 +28,7 @@ mod gpu;
 mod gpu_buffers;
 mod gpu_passes;
 mod indirect;
+mod means;
 mod motion;
 mod planes;
 mod reflections;

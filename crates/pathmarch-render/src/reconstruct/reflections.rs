@@ -21,12 +21,11 @@
 //! so that histories of its light are short.
 
 use super::changed_light;
+use super::means::{Found, Means, PixelMean, Samples, plausible_range};
 use super::motion::EarlierPoints;
 use super::planes::{Place, Planes, box_sums_of_surfaces, by_eight};
-use super::surfaces::{SurfacePlanes, Vectors};
-use super::temporal::{
-    Found, History, MIN_NORMAL_COSINE, Means, PixelMean, Positions, Samples, camera_moves, plausible_range,
-};
+use super::surfaces::{MIN_NORMAL_COSINE, SurfacePlanes, Vectors};
+use super::temporal::{History, Positions, camera_moves};
 use super::{Changes, luminance};
 use crate::integrator::guides::Guide;
 use crate::integrator::medium_light::{MEDIUM_ALPHA, MEDIUM_REACH, distance_in_medium};

@@ -1,9 +1,10 @@
 //! Spatial filter: an à-trous filter along surfaces.
 
+use super::means::{Means, PixelMean, luminances};
 use super::planes::{Grid, Place, Planes, by_eight, square_around};
 use super::reflections::{Images, are_media};
 use super::surfaces::{SurfacePlanes, Surfaces, Vectors};
-use super::temporal::{History, Means, PixelMean, luminances};
+use super::temporal::History;
 use crate::integrator::guides::{Guide, GuideClass, NO_LEAF};
 use crate::integrator::medium_light::MEDIUM_REACH;
 use crate::intersect::ray::unpack;

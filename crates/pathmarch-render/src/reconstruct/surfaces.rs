@@ -17,6 +17,8 @@ shared_constants! {
     const MIN_SMOOTH_COSINE: f32 = 0.9;
     /// Least number of such pixels beside one that is on a smooth surface.
     const SMOOTH_NEIGHBOURS: u32 = 2;
+    /// Least cosine between normals of one surface.
+    pub(super) const MIN_NORMAL_COSINE: f32 = 0.8;
     /// Least cosine between the normals of pixels of one face of a mirror.
     const MIN_MIRROR_COSINE: f32 = 0.9;
 }

@@ -1,17 +1,16 @@
 //! Reprojection and temporal accumulation.
 
 use super::changed_light;
+use super::means::{Found, Means, PixelMean, Samples};
 use super::motion::EarlierPoints;
 use super::planes::{Grid, Place, SQUARE_OF_3, by_eight};
-use super::surfaces::{Points, SurfacePlanes, Vectors};
-use super::{PixelHistory, luminance, variance_without_facets};
+use super::surfaces::{MIN_NORMAL_COSINE, Points, SurfacePlanes, Vectors};
+use super::variance_without_facets;
 use crate::integrator::guides::Guide;
 use crate::intersect::ray::{lanes, transposed};
 use crate::scene::FrameUniforms;
-use crate::scene::light::LUMINANCE_WEIGHTS;
 use crate::wgsl::shared_constants;
 use glam::Vec3;
-use pathmarch_field::number::Mask8;
 use std::sync::Arc;
 use wide::{f32x8, i32x8};
 
@@ -22,29 +21,6 @@ pub(super) struct History {
     pub(super) means: Vec<PixelMean>,
     pub(super) projection: Projection,
     points: Vec<ShownPoint>,
-}
-
-/// Mean of a pixel.
-#[derive(Clone, Copy, Default)]
-#[repr(C)]
-pub(super) struct PixelMean {
-    pub(super) irradiance: Vec3,
-    /// Number of samples in the mean.
-    pub(super) length: f32,
-    /// Means of the luminance and of its square, over samples.
-    pub(super) moments: [f32; 2],
-    /// Position in the last picture of what is in the middle of the pixel, pixels of that picture from its top left corner; missing
-    /// numbers where it was hidden.
-    pub(super) before: [f32; 2],
-}
-
-/// Means of eight pixels.
-#[derive(Clone, Copy)]
-pub(super) struct Means {
-    pub(super) irradiance: Vectors,
-    pub(super) length: f32x8,
-    pub(super) moments: [f32x8; 2],
-    pub(super) before: [f32x8; 2],
 }
 
 /// Point that a pixel shows, as the next picture looks it up. Small, since every pixel looks at several.
@@ -137,14 +113,6 @@ impl ShownPoints {
     }
 }
 
-/// New samples of each pixel.
-pub(super) struct Samples<'a> {
-    /// Means of the irradiance.
-    pub(super) irradiance: &'a [Vec3],
-    /// Number of samples in each mean.
-    pub(super) count: f32,
-}
-
 shared_constants! {
     /// Largest distance of a point of the last picture from the plane of the surface, in sides of a pixel at its distance.
     const PLANE_TOLERANCE: f32 = 2.0;
@@ -168,155 +136,6 @@ shared_constants! {
     const MIN_CONTRAST_HISTORY: f32 = 2.0;
     /// Least weight of the pixels of the last picture that show a point, of 1.
     const MIN_FOUND_WEIGHT: f32 = 0.01;
-    /// Least cosine between normals of one surface.
-    pub(super) const MIN_NORMAL_COSINE: f32 = 0.8;
-}
-
-impl PixelMean {
-    /// A mean from its numbers, in their order in memory.
-    fn from_row([r, g, b, length, mean, square, x, y]: [f32; 8]) -> Self {
-        Self { irradiance: Vec3::new(r, g, b), length, moments: [mean, square], before: [x, y] }
-    }
-
-    /// History of the pixel.
-    pub(super) fn history(&self) -> PixelHistory {
-        let is_known = !self.before[0].is_nan();
-        PixelHistory { before: is_known.then_some(self.before), length: self.length }
-    }
-
-    #[inline(always)]
-    fn row(&self) -> [f32; 8] {
-        let &Self { irradiance, length, moments: [mean, square], before: [x, y] } = self;
-        [irradiance.x, irradiance.y, irradiance.z, length, mean, square, x, y]
-    }
-}
-
-impl Means {
-    /// Means of these numbers: red, green, blue, length, mean, square and the earlier position.
-    #[inline(always)]
-    fn from_lanes([r, g, b, length, mean, square, x, y]: [f32x8; 8]) -> Self {
-        Self { irradiance: Vectors::new(r, g, b), length, moments: [mean, square], before: [x, y] }
-    }
-
-    /// Means of the pixels of these indices.
-    #[inline(always)]
-    pub(super) fn gathered(means: &[PixelMean], indices: [usize; 8]) -> Self {
-        Self::from_lanes(transposed(indices.map(|index| means[index].row())))
-    }
-
-    /// The means, one by one.
-    #[inline(always)]
-    pub(super) fn each(self) -> [PixelMean; 8] {
-        let Self { irradiance: Vectors { x: r, y: g, z: b }, length, moments: [mean, square], before: [x, y] } = self;
-        f32x8::transpose([r, g, b, length, mean, square, x, y]).map(|row| PixelMean::from_row(row.to_array()))
-    }
-
-    /// Means of new samples alone of the pixels of these indices; `square` gives that of the luminance of several samples
-    /// from the index and their luminance.
-    #[inline(always)]
-    pub(super) fn alone(new: &Samples, indices: [usize; 8], square: impl Fn(usize, f32) -> f32) -> Self {
-        let row = |index: usize| {
-            let irradiance = new.irradiance[index];
-            let mean = luminance(irradiance);
-            // Fireflies of a single sample have been spread.
-            let square = if new.count > 1.0 { square(index, mean) } else { mean * mean };
-            [irradiance.x, irradiance.y, irradiance.z, new.count, mean, square, f32::NAN, f32::NAN]
-        };
-        Self::from_lanes(transposed(indices.map(row)))
-    }
-
-    /// These, in light that is multiplied by factors of its channels.
-    #[inline(always)]
-    pub(super) fn scaled(self, factors: Vectors) -> Self {
-        let irradiance = self.irradiance.times(factors);
-        let factor = luminances(irradiance) / luminances(self.irradiance).fast_max(f32x8::splat(1e-9));
-        let moments = [self.moments[0] * factor, self.moments[1] * factor * factor];
-        Self { irradiance, moments, ..self }
-    }
-
-    /// These where the mask is set, else others.
-    #[inline(always)]
-    fn select(self, mask: f32x8, others: Self) -> Self {
-        let pair = |a: [f32x8; 2], b: [f32x8; 2]| [mask.select(a[0], b[0]), mask.select(a[1], b[1])];
-        Self {
-            irradiance: Vectors::select(Mask8(mask), self.irradiance, others.irradiance),
-            length: mask.select(self.length, others.length),
-            moments: pair(self.moments, others.moments),
-            before: pair(self.before, others.before),
-        }
-    }
-}
-
-/// Means of the past of eight pixels, and the mask of those that have one.
-#[derive(Clone, Copy)]
-pub(super) struct Found {
-    pub(super) means: Means,
-    pub(super) mask: f32x8,
-}
-
-impl Found {
-    /// No past.
-    pub(super) const NONE: Self = {
-        let nothing = Vectors::new(f32x8::ZERO, f32x8::ZERO, f32x8::ZERO);
-        let means =
-            Means { irradiance: nothing, length: f32x8::ZERO, moments: [f32x8::ZERO; 2], before: [f32x8::ZERO; 2] };
-        Self { means, mask: f32x8::ZERO }
-    };
-
-    /// These, and others where there are none.
-    #[inline(always)]
-    pub(super) fn or(self, others: Self) -> Self {
-        Self { means: self.means.select(self.mask, others.means), mask: self.mask | others.mask }
-    }
-
-    /// These with a luminance within limits, if they have any, and with at most so many samples.
-    #[inline(always)]
-    pub(super) fn limited(self, limits: Option<[f32x8; 2]>, max_length: f32x8) -> Self {
-        let Self { mut means, mask } = self;
-        if let Some([least, most]) = limits {
-            let old = luminances(means.irradiance);
-            let clamped = old.fast_max(least).fast_min(most);
-            let factor = clamped / old.fast_max(f32x8::splat(1e-9));
-            means.irradiance = means.irradiance * factor;
-            means.moments = [means.moments[0] * factor, means.moments[1] * factor * factor];
-            // The less of it is plausible, the fewer samples it is worth.
-            let agreement = (clamped.fast_min(old) + 1e-9) / (clamped.fast_max(old) + 1e-9);
-            means.length *= agreement * agreement;
-        }
-        means.length = means.length.fast_min(max_length);
-        Self { means, mask }
-    }
-
-    /// Joins the means of the past with those of new samples.
-    #[inline(always)]
-    pub(super) fn joined(self, new: Means) -> Means {
-        let old = self.means;
-        let share = new.length / (new.length + old.length);
-        let mean = |old: f32x8, new: f32x8| old + (new - old) * share;
-        let joined = Means {
-            irradiance: old.irradiance + (new.irradiance - old.irradiance) * share,
-            length: new.length + old.length,
-            moments: [mean(old.moments[0], new.moments[0]), mean(old.moments[1], new.moments[1])],
-            before: old.before,
-        };
-        joined.select(self.mask, new)
-    }
-}
-
-/// Luminances of linear Rec. 709 colours.
-#[inline(always)]
-pub(super) fn luminances(colour: Vectors) -> f32x8 {
-    let [r, g, b] = LUMINANCE_WEIGHTS;
-    colour.x * r + colour.y * g + colour.z * b
-}
-
-/// Least and largest luminances of means beside these sums over samples: luminance, its square, and 1. `reach` is in standard
-/// deviations of single samples.
-#[inline(always)]
-pub(super) fn plausible_range([light, squares, count]: [f32x8; 3], reach: f32) -> [f32x8; 2] {
-    let (mean, square) = (light / count, squares / count);
-    let reach = (square - mean * mean).fast_max(f32x8::ZERO).sqrt() * reach;
-    [(mean - reach).fast_max(f32x8::ZERO), mean + reach]
 }
 
 /// Positions in a picture, pixels from its top left corner, and the mask of those that are in front of its camera.
