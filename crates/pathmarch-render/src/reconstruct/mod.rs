@@ -3,7 +3,7 @@
 //! **Idea.** Radiance is divided by the albedo of the guide, so that textures are not blurred; the result is called
 //! irradiance here. Direct and `indirect` light are apart. (1) `temporal`: every pixel finds its point in the last picture
 //! and continues the mean of the pixels there, if they show the same point; `reflections` does so with the images in glossy
-//! surfaces and with light of media. (2) `spatial`: neighbours on the same surface are averaged over a footprint that
+//! surfaces and with light of media; after a change of the scene, `changed_light` suits the past to the new light. (2) `spatial`: neighbours on the same surface are averaged over a footprint that
 //! shrinks as the mean gets surer. (3) `antialiasing`: the picture is averaged with the last one, at up to twice the resolution of the samples.
 //! (4) `emitters`: lamps that the camera sees are laid over it. (5) Once nothing moves, the plain mean of a film that was
 //! started there takes over, and the picture is then that of a still render with the same estimator.
