@@ -13,7 +13,6 @@
 use super::means::{Found, Means, PixelMean, luminances};
 use super::planes::{Place, Planes, SQUARE_OF_3, by_eight, sums_where};
 use super::surfaces::{MIN_NORMAL_COSINE, SurfacePlanes, Vectors};
-
 use crate::wgsl::shared_constants;
 use glam::Vec3;
 use pathmarch_field::number::Mask8;
@@ -109,32 +108,37 @@ fn plausible_length(past: &Means, [sum, squares, count]: [f32x8; 3]) -> f32x8 {
 mod tests {
     use super::*;
     use crate::integrator::guides::{Guide, GuideClass};
+    use crate::reconstruct::luminance;
     use crate::scene::FrameUniforms;
     use bytemuck::Zeroable;
 
-    const SIZE: [u32; 2] = [40, 30];
+    /// Means of a picture of 40x30 pixels after a change of the scene. Columns have normals, pixels have a past of six samples and
+    /// new light, by column and row.
+    fn after_a_change(
+        normal: impl Fn(usize) -> Vec3,
+        past: impl Fn(usize, usize) -> Vec3,
+        new: impl Fn(usize, usize) -> Vec3,
+    ) -> Vec<PixelMean> {
+        let pixels = || (0..1200).map(|index| (index % 40, index / 40));
+        let guide = |normal: Vec3| Guide { class: GuideClass::Surface, normal, seen_normal: normal, ..Guide::NONE };
+        let guides: Vec<Guide> = pixels().map(|(x, _)| guide(normal(x))).collect();
+        let frame = FrameUniforms { width: 40, height: 30, ..FrameUniforms::zeroed() };
+        let surfaces = SurfacePlanes::new(&frame, &guides, false);
+        let mean = |irradiance: Vec3, length: f32| {
+            let mean = luminance(irradiance);
+            PixelMean { irradiance, length, moments: [mean, 1.25 * mean * mean], before: [0.0; 2] }
+        };
+        let old: Vec<PixelMean> = pixels().map(|(x, y)| mean(past(x, y), 6.0)).collect();
+        let irradiance: Vec<Vec3> = pixels().map(|(x, y)| new(x, y)).collect();
+        let alone: Vec<PixelMean> = irradiance.iter().map(|irradiance| mean(*irradiance, 1.0)).collect();
+        let means = |means: &[PixelMean], place: Place| Means::gathered(means, place.indices(surfaces.grid));
+        let find = |place: Place| Found { means: means(&old, place), mask: f32x8::ZERO.simd_eq(f32x8::ZERO) };
+        joined(&surfaces, &irradiance, find, |place| means(&alone, place))
+    }
 
-    /// Means of a wall after a change of the scene, by column and row: `past` has six samples of each pixel.
-    fn after_a_change(past: impl Fn(usize, usize) -> Vec3, new: impl Fn(usize, usize) -> Vec3) -> Vec<PixelMean> {
-        let guide = Guide { class: GuideClass::Surface, normal: Vec3::Z, seen_normal: Vec3::Z, ..Guide::NONE };
-        let frame = FrameUniforms { width: SIZE[0], height: SIZE[1], ..FrameUniforms::zeroed() };
-        let surfaces = SurfacePlanes::new(&frame, &vec![guide; 1200], false);
-        let pixels = || (0..1200).map(|index| (index % SIZE[0] as usize, index / SIZE[0] as usize));
-        let means = |light: Vec<Vec3>, length: f32| -> Vec<PixelMean> {
-            let of = |irradiance: Vec3| {
-                let mean = crate::reconstruct::luminance(irradiance);
-                PixelMean { irradiance, length, moments: [mean, 1.25 * mean * mean], before: [0.0; 2] }
-            };
-            light.into_iter().map(of).collect()
-        };
-        let new: Vec<Vec3> = pixels().map(|(x, y)| new(x, y)).collect();
-        let old = means(pixels().map(|(x, y)| past(x, y)).collect(), 6.0);
-        let alone = means(new.clone(), 1.0);
-        let find = |place: Place| {
-            let means = Means::gathered(&old, place.indices(surfaces.grid));
-            Found { means, mask: f32x8::ZERO.simd_eq(f32x8::ZERO) }
-        };
-        joined(&surfaces, &new, find, |place| Means::gathered(&alone, place.indices(surfaces.grid)))
+    /// Normal of a wall.
+    fn flat(_: usize) -> Vec3 {
+        Vec3::Z
     }
 
     /// Noise of a pixel, -1 or 1, which has little pattern.
@@ -147,7 +151,7 @@ mod tests {
     fn the_past_follows_light_that_changes_everywhere() {
         let past = |x: usize, _: usize| Vec3::splat(1.0 + 0.05 * x as f32);
         let tint = Vec3::new(0.25, 0.5, 1.5);
-        let means = after_a_change(past, |x, y| past(x, y) * tint);
+        let means = after_a_change(flat, past, |x, y| past(x, y) * tint);
         for (index, mean) in means.iter().enumerate() {
             let truth = past(index % 40, 0) * tint;
             assert!((mean.irradiance - truth).abs().max_element() < 1e-4, "{} {truth}", mean.irradiance);
@@ -160,7 +164,7 @@ mod tests {
 
     #[test]
     fn noise_alone_keeps_most_of_the_past() {
-        let means = after_a_change(|_, _| Vec3::ONE, |x, y| Vec3::splat(1.0 + 0.9 * noise(x, y)));
+        let means = after_a_change(flat, |_, _| Vec3::ONE, |x, y| Vec3::splat(1.0 + 0.9 * noise(x, y)));
         let length = means.iter().map(|mean| mean.length).sum::<f32>() / 1200.0;
         assert!(length > 5.0, "{length}");
         // Samples alone deviate by 0.9.
@@ -171,7 +175,7 @@ mod tests {
     #[test]
     fn shadows_are_where_they_are_now() {
         let lit = |edge: usize| move |x: usize, _: usize| if x < edge { Vec3::ONE } else { Vec3::splat(0.2) };
-        let means = after_a_change(lit(24), lit(20));
+        let means = after_a_change(flat, lit(24), lit(20));
         for (index, mean) in means.iter().enumerate() {
             let (x, truth) = (index % 40, lit(20)(index % 40, 0).x);
             let error = (mean.irradiance.x - truth).abs();
@@ -185,35 +189,13 @@ mod tests {
 
     #[test]
     fn surfaces_are_compared_apart() {
-        let guide = |x: usize| {
-            let (normal, class) = (if x < 20 { Vec3::Z } else { Vec3::X }, GuideClass::Surface);
-            Guide { class, normal, seen_normal: normal, ..Guide::NONE }
-        };
-        let frame = FrameUniforms { width: 40, height: 30, ..FrameUniforms::zeroed() };
-        let guides: Vec<Guide> = (0..1200).map(|index| guide(index % 40)).collect();
-        let surfaces = SurfacePlanes::new(&frame, &guides, false);
-        // One side of the edge gets darker, the other brighter.
-        let light = |index: usize| if index % 40 < 20 { 0.5 } else { 2.0 };
-        let new: Vec<Vec3> = (0..1200).map(|index| Vec3::splat(light(index))).collect();
-        let mean = |light: f32, length: f32| PixelMean {
-            irradiance: Vec3::splat(light),
-            length,
-            moments: [light, light * light],
-            before: [0.0; 2],
-        };
-        let old = vec![mean(1.0, 6.0); 1200];
-        let alone: Vec<PixelMean> = (0..1200).map(|index| mean(light(index), 1.0)).collect();
-        let find = |place: Place| {
-            let means = Means::gathered(&old, place.indices(surfaces.grid));
-            Found { means, mask: f32x8::ZERO.simd_eq(f32x8::ZERO) }
-        };
-        let means = joined(&surfaces, &new, find, |place| Means::gathered(&alone, place.indices(surfaces.grid)));
+        // One side of an edge gets darker, the other brighter.
+        let light = |x: usize| if x < 20 { 0.5 } else { 2.0 };
+        let normal = |x: usize| if x < 20 { Vec3::Z } else { Vec3::X };
+        let means = after_a_change(normal, |_, _| Vec3::ONE, |x, _| Vec3::splat(light(x)));
         for (index, mean) in means.iter().enumerate() {
-            assert!(
-                (mean.irradiance.x - light(index)).abs() < 1e-5 && mean.length == 7.0,
-                "{index}: {}",
-                mean.irradiance
-            );
+            let error = (mean.irradiance.x - light(index % 40)).abs();
+            assert!(error < 1e-5 && mean.length == 7.0, "{index}: {}", mean.irradiance);
         }
     }
 }
