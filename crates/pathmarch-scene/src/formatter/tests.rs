@@ -23,7 +23,9 @@ fn ink(text: &str) -> String {
 fn scenes() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut folders =
-        ["scenes", "docs/tutorial", "crates/pathmarch-render/tests/data"].map(|folder| root.join(folder)).to_vec();
+        ["scenes", "docs/tutorial", "crates/pathmarch-render/tests/data", "crates/pathmarch-measure/flights"]
+            .map(|folder| root.join(folder))
+            .to_vec();
     let mut found = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).expect("a folder") {
