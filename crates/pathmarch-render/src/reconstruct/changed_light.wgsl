@@ -5,7 +5,8 @@
 /// Difference of pixels without a past.
 const NO_DIFFERENCE = 3e38;
 
-/// Adds up new light and past light along the rows, over the pixels that have a past, and their number.
+/// Adds up new light and past light along the rows, over the pixels that have a past, and their number, in buffers that are
+/// written later.
 @compute @workgroup_size(8, 8)
 fn add_up_light(@builtin(global_invocation_id) id: vec3u) {
     let position = vec2i(id.xy);

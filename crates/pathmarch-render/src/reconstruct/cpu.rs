@@ -1,6 +1,6 @@
 //! Reconstruction on the CPU.
 //!
-//! **Cost.** 0.2 to 0.9 of the time in which one sample is traced.
+//! **Cost.** 0.2 to 1.6 of the time in which one sample is traced.
 
 use super::antialiasing::{Last, ShownPicture, Textures, antialiased, new_weight};
 use super::emitters::EmitterLayer;
