@@ -43,10 +43,7 @@ pub(super) fn joined(
 ) -> Vec<PixelMean> {
     let grid = surfaces.grid;
     let found = by_eight(grid, |place| find(place).or(Found::NONE).means.each());
-    let show_one_side = |here: Place, there: Place| {
-        let cosine = surfaces.normal(here).dot(surfaces.normal(there));
-        surfaces.part(here).simd_eq(surfaces.part(there)) & cosine.simd_ge(f32x8::splat(MIN_NORMAL_COSINE))
-    };
+    let show_one_side = |here: Place, there: Place| surfaces.show_one_side(here, there, MIN_NORMAL_COSINE);
     let light = |index: usize| {
         let (new, PixelMean { irradiance: old, length, .. }) = (irradiance[index], found[index]);
         if length > 0.0 { [new.x, new.y, new.z, old.x, old.y, old.z, 1.0] } else { [0.0; 7] }

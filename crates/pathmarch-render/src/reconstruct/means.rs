@@ -96,7 +96,12 @@ impl Means {
     #[inline(always)]
     pub(super) fn scaled(self, factors: Vectors) -> Self {
         let irradiance = self.irradiance.times(factors);
-        let factor = luminances(irradiance) / luminances(self.irradiance).fast_max(f32x8::splat(1e-9));
+        self.in_light(irradiance, luminances(irradiance) / luminances(self.irradiance).fast_max(f32x8::splat(1e-9)))
+    }
+
+    /// These with another irradiance, whose luminance is theirs multiplied by a factor.
+    #[inline(always)]
+    fn in_light(self, irradiance: Vectors, factor: f32x8) -> Self {
         let moments = [self.moments[0] * factor, self.moments[1] * factor * factor];
         Self { irradiance, moments, ..self }
     }
@@ -144,8 +149,7 @@ impl Found {
             let old = luminances(means.irradiance);
             let clamped = old.fast_max(least).fast_min(most);
             let factor = clamped / old.fast_max(f32x8::splat(1e-9));
-            means.irradiance = means.irradiance * factor;
-            means.moments = [means.moments[0] * factor, means.moments[1] * factor * factor];
+            means = means.in_light(means.irradiance * factor, factor);
             // The less of it is plausible, the fewer samples it is worth.
             let agreement = (clamped.fast_min(old) + 1e-9) / (clamped.fast_max(old) + 1e-9);
             means.length *= agreement * agreement;
@@ -175,13 +179,4 @@ impl Found {
 pub(super) fn luminances(colour: Vectors) -> f32x8 {
     let [r, g, b] = LUMINANCE_WEIGHTS;
     colour.x * r + colour.y * g + colour.z * b
-}
-
-/// Least and largest luminances of means beside these sums over samples: luminance, its square, and 1. `reach` is in standard
-/// deviations of single samples.
-#[inline(always)]
-pub(super) fn plausible_range([light, squares, count]: [f32x8; 3], reach: f32) -> [f32x8; 2] {
-    let (mean, square) = (light / count, squares / count);
-    let reach = (square - mean * mean).fast_max(f32x8::ZERO).sqrt() * reach;
-    [(mean - reach).fast_max(f32x8::ZERO), mean + reach]
 }

@@ -21,7 +21,7 @@
 //! so that histories of its light are short.
 
 use super::changed_light;
-use super::means::{Found, Means, PixelMean, Samples, plausible_range};
+use super::means::{Found, Means, PixelMean, Samples};
 use super::motion::EarlierPoints;
 use super::planes::{Place, Planes, box_sums_of_surfaces, by_eight};
 use super::surfaces::{MIN_NORMAL_COSINE, SurfacePlanes, Vectors};
@@ -127,6 +127,15 @@ impl Images {
     }
 }
 
+/// Least and largest luminances of means beside these sums over samples: luminance, its square, and 1. `reach` is in standard
+/// deviations of single samples.
+#[inline(always)]
+fn plausible_range([light, squares, count]: [f32x8; 3], reach: f32) -> [f32x8; 2] {
+    let (mean, square) = (light / count, squares / count);
+    let reach = (square - mean * mean).fast_max(f32x8::ZERO).sqrt() * reach;
+    [(mean - reach).fast_max(f32x8::ZERO), mean + reach]
+}
+
 /// Mask of the pixels behind media, from the alphas of their layers.
 #[inline(always)]
 pub(super) fn are_media(alpha: f32x8) -> f32x8 {
@@ -216,10 +225,9 @@ impl Present<'_> {
             let max_length = if moves { longest.fast_min(image.max_history) } else { longest };
             found.limited(moves.then(limits), max_length)
         };
-        match past {
-            Some(_) if changes.scene => changed_light::joined(self.surfaces, self.new.irradiance, find, alone),
-            Some(_) => by_eight(grid, |place| find(place).joined(alone(place)).each()),
-            None => by_eight(grid, |place| alone(place).each()),
+        match changes.scene {
+            true => changed_light::joined(self.surfaces, self.new.irradiance, find, alone),
+            false => by_eight(grid, |place| find(place).joined(alone(place)).each()),
         }
     }
 

@@ -267,16 +267,21 @@ impl SurfacePlanes {
         }
     }
 
+    /// Mask of the pixels that show one side of an object at both places: their normals differ by at most the angle of this cosine.
+    #[inline(always)]
+    pub(super) fn show_one_side(&self, here: Place, there: Place, min_cosine: f32) -> f32x8 {
+        let cosine = self.normal(here).dot(self.normal(there));
+        self.part(here).simd_eq(self.part(there)) & cosine.simd_ge(f32x8::splat(min_cosine))
+    }
+
     /// Calls a function with the places beside one and the masks of the pixels there that are parts of one smooth surface; gives
     /// the mask of the pixels that show such a surface.
     #[inline(always)]
     pub(super) fn smooth_neighbours(&self, place: Place, mut visit: impl FnMut(Place, f32x8)) -> f32x8 {
-        let (part, normal) = (self.part(place), self.normal(place));
         let mut count = f32x8::ZERO;
         for (dx, dy) in BESIDE {
             let Some(there) = place.moved(self.grid, dx, dy) else { continue };
-            let cosine = normal.dot(self.normal(there));
-            let are_smooth = part.simd_eq(self.part(there)) & cosine.simd_ge(f32x8::splat(MIN_SMOOTH_COSINE));
+            let are_smooth = self.show_one_side(place, there, MIN_SMOOTH_COSINE);
             count += are_smooth & f32x8::ONE;
             visit(there, are_smooth);
         }

@@ -205,10 +205,9 @@ impl History {
             };
             past.find(&sought, to_middle, &past.means).limited(None, max_length)
         };
-        let means = match past {
-            Some(_) if has_changed => changed_light::joined(surfaces, new.irradiance, find, alone),
-            Some(_) => by_eight(grid, |place| find(place).joined(alone(place)).each()),
-            None => by_eight(grid, |place| alone(place).each()),
+        let means = match has_changed {
+            true => changed_light::joined(surfaces, new.irradiance, find, alone),
+            false => by_eight(grid, |place| find(place).joined(alone(place)).each()),
         };
         let eye = Vectors::constant(frame.position);
         Self {
