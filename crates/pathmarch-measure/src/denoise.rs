@@ -8,7 +8,7 @@
 //! **Cost.** That of the references, if they are missing.
 
 use crate::bench;
-use crate::measure::{self, Interrupt, MAX_SAMPLES, Reference, ReferenceStore};
+use crate::measure::{self, Interrupt, MAX_SAMPLES, Reference, ReferenceStore, make_directory};
 use crate::peers::{Cycles, DescribedScene, Python};
 use pathmarch_cli::{BackendArgument, DONE, Failure, catch_interrupts, outln, value_parsers};
 use pathmarch_render::denoise::{Denoiser, Features, HalfBuffers};
@@ -84,7 +84,8 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     arguments.denoiser.check().map_err(Failure::other)?;
     let renderer = Renderer::open(arguments.backend.into(), arguments.adapter.as_deref()).map_err(Failure::other)?;
     let cycles = arguments.cycles.map(|samples| find_cycles(arguments, samples)).transpose()?;
-    let references = ReferenceStore::new(arguments.references.clone(), arguments.reference_seconds);
+    arguments.output.as_deref().map_or(Ok(()), make_directory)?;
+    let references = ReferenceStore::new(arguments.references.clone(), arguments.reference_seconds)?;
     outln!("{:26} samples  seconds: sampling + features + filter = total   relMSE before -> after   mean", "scene");
     for path in &arguments.scenes {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();

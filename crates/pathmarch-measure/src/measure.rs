@@ -218,10 +218,15 @@ impl Reference {
     }
 }
 
+/// Makes a directory and those above it, unless they exist.
+pub fn make_directory(directory: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(directory).map_err(|error| Failure::Other(format!("{}: {error}", directory.display())))
+}
+
 /// Seeds of the two halves of a reference; measured pictures have seed 0.
 const SEEDS: [u32; 2] = [0x5eed_0001, 0x5eed_0002];
 
-/// ReferenceStore stored as files.
+/// References stored as files.
 pub struct ReferenceStore {
     folder: PathBuf,
     /// Render time for a missing reference, seconds.
@@ -229,9 +234,10 @@ pub struct ReferenceStore {
 }
 
 impl ReferenceStore {
-    /// Uses an existing directory.
-    pub fn new(folder: PathBuf, seconds: f64) -> Self {
-        Self { folder, seconds }
+    /// Uses a directory, which is made if there is none.
+    pub fn new(folder: PathBuf, seconds: f64) -> Result<Self, Failure> {
+        make_directory(&folder)?;
+        Ok(Self { folder, seconds })
     }
 
     /// Returns the reference of a scene: the user's file `NAME.exr`, or the stored halves, or newly rendered ones,

@@ -136,7 +136,7 @@ fn wrong_arguments_of_bench_are_reported() {
         (&["--json", "missing/a.json"], 1, "no directory missing"),
         (&["--error", "0"], 2, "above 0"),
         (&["--references", "empty"], 2, "--error"),
-        (&["--error", "1", "--references", "missing"], 2, "no directory missing"),
+        (&["--error", "1", "--references", "not.json"], 1, "not.json: "),
         (&["--compare", "missing.json"], 2, "missing.json"),
         (&["--from", "not.json"], 2, "not a file of `bench --json`"),
         (&["--from", "not.json", "cornell-box"], 2, "cannot be used with"),

@@ -127,20 +127,13 @@ impl Arguments {
     fn reference_store(&self) -> Result<Option<ReferenceStore>, Failure> {
         let Some(seconds) = self.error else { return Ok(None) };
         let folder = match &self.references {
-            Some(folder) if folder.is_dir() => folder.clone(),
-            Some(folder) => {
-                return Err(Failure::Usage(format!("there is no directory {}; create it first", folder.display())));
-            }
+            Some(folder) => folder.clone(),
             None => {
-                let dirs = AppDirs::of_user().ok_or_else(|| {
-                    Failure::Usage("there is no home directory for references; use --references DIR".to_owned())
-                })?;
-                let failed = |error| Failure::Other(format!("{}: {error}", dirs.references.display()));
-                std::fs::create_dir_all(&dirs.references).map_err(failed)?;
-                dirs.references
+                let no_home = "there is no home directory for references; use --references DIR";
+                AppDirs::of_user().ok_or_else(|| Failure::Usage(no_home.to_owned()))?.references
             }
         };
-        Ok(Some(ReferenceStore::new(folder, REFERENCE_TIME_FACTOR * seconds)))
+        ReferenceStore::new(folder, REFERENCE_TIME_FACTOR * seconds).map(Some)
     }
     /// Header of the results.
     fn results(&self) -> Results {

@@ -10,7 +10,7 @@ mod denoised;
 mod flight;
 
 use crate::denoise::parse_denoiser;
-use crate::measure::Interrupt;
+use crate::measure::{Interrupt, make_directory};
 use clap::ValueEnum;
 use compare::{compare, difference, enlarged, relmse_of_short_histories, shown, temporal_error};
 use flight::{FPS, FRAMES, Flight, MOVING_FRAMES};
@@ -276,8 +276,7 @@ fn fly(flight: &Flight, arguments: &Arguments, interrupt: &Interrupt) -> Result<
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let interrupt = Interrupt(catch_interrupts()?);
     for directory in arguments.output.iter().chain(&arguments.references) {
-        std::fs::create_dir_all(directory)
-            .map_err(|error| Failure::Other(format!("{}: {error}", directory.display())))?;
+        make_directory(directory)?;
     }
     let all = if arguments.flights.is_empty() { flight::built_in() } else { arguments.flights.clone() };
     for flight in &all {

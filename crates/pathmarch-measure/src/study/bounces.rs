@@ -40,7 +40,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     let (mut lines, mut optima, mut panels) = (Vec::new(), Vec::new(), Vec::new());
     let directory = tempfile::tempdir().map_err(Failure::other)?;
     let store_path = study.references.clone().unwrap_or_else(|| directory.path().to_owned());
-    let store = ReferenceStore::new(store_path, study.plan.reference_seconds);
+    let store = ReferenceStore::new(store_path, study.plan.reference_seconds)?;
     for name in SCENES {
         let scene = example(name)?;
         let whole = Settings {

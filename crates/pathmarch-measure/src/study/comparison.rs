@@ -206,7 +206,7 @@ pub fn study(study: &mut Study) -> Result<String, Failure> {
     };
     let directory = tempfile::tempdir().map_err(Failure::other)?;
     let store_path = study.references.clone().unwrap_or_else(|| directory.path().to_owned());
-    let store = ReferenceStore::new(store_path, study.plan.reference_seconds);
+    let store = ReferenceStore::new(store_path, study.plan.reference_seconds)?;
     let heads = ["table", "row", "published: Cycles 2.8"].into_iter().chain(HEADS);
     let mut table = Table::new(heads);
     let mut meshes = Table::new([

@@ -71,7 +71,7 @@ pub struct Arguments {
     /// Render time of a reference [default: 60]
     #[arg(long, value_name = "SECONDS", value_parser = value_parsers::seconds, allow_hyphen_values = true)]
     reference_seconds: Option<f64>,
-    /// Existing directory in which references are kept
+    /// Directory in which references are kept
     #[arg(long, value_name = "DIR")]
     references: Option<PathBuf>,
     /// Tables whose rows are compared with Cycles, such as 5.7; the others stay as an earlier run left them [default: all]
