@@ -208,6 +208,7 @@ fn store_guide(pixel: u32, radiance: vec3f) {
             reflected = light_of_media(radiance);
         } else {
             reflected = reflected_light(radiance);
+            stored.alpha = max(guide.alpha, facets_least_alpha);
             stored.indirect *= 1.0 - facets_share;
         }
         reflected = vec4f(select(vec3f(0.0), reflected.xyz, has_light), reflected.w);

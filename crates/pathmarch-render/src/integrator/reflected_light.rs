@@ -21,6 +21,9 @@ shared_constants! {
     const MAX_FACET_ALPHA: f32 = 0.36;
     /// The same for fractals, on which no image is smooth.
     const MAX_FACET_ALPHA_OF_FRACTALS: f32 = 0.15;
+    /// Least alpha of facets which half of the paths follow. It is proportional to the relative standard deviation of one sample
+    /// of even light.
+    const CHOSEN_ALPHA: f32 = 0.03;
 }
 
 /// Light of the facets of a surface, or of the media in front of it. The order is that in memory, as for guides.
@@ -106,6 +109,14 @@ impl Reflection {
         let FacetedSurface { facets, parameters, local_from_world, wo, inside } = &self.surface;
         (facets.share)(parameters, *wo, (*local_from_world * direction).normalize(), *inside)
     }
+
+    /// Least alpha with which the light is filtered: the fewer paths follow the facets, the more noise it has.
+    fn least_alpha(&self) -> f32 {
+        let FacetedSurface { facets, parameters, wo, inside, .. } = &self.surface;
+        let chance = (facets.chance)(parameters, *wo, *inside);
+        let deviation = ((1.0 - chance).max(0.0) / chance.max(1e-6)).sqrt();
+        (CHOSEN_ALPHA * deviation).min(MAX_FACET_ALPHA)
+    }
 }
 
 impl ReflectionRecorder {
@@ -177,6 +188,7 @@ impl ReflectionRecorder {
     pub(super) fn go_on(&mut self, slot: usize, direction: Vec3, radiance: Vec3) {
         if let Some(reflection) = self.waiting(slot) {
             reflection.share = reflection.share(direction);
+            reflection.alpha = rounded_alpha(reflection.alpha.max(reflection.least_alpha()));
             reflection.before = radiance;
         }
     }

@@ -18,6 +18,8 @@ var<private> facets_sampled_distance: f32;
 var<private> facets_before: vec3f;
 var<private> facets_share: vec3f;
 var<private> facets_distance: f32;
+/// Least alpha with which the light is filtered, see reflected_light.rs.
+var<private> facets_least_alpha: f32;
 
 /// Starts with a surface at this length of the path.
 fn begin_facets(length: f32) {
@@ -28,6 +30,7 @@ fn begin_facets(length: f32) {
     facets_share = vec3f(0.0);
     facets_before = vec3f(0.0);
     facets_distance = frame.far;
+    facets_least_alpha = 0.0;
 }
 
 /// Records the light that a light sample contributed from a direction.
@@ -42,6 +45,9 @@ fn record_light_sample(m: u32, wo: vec3f, wi: vec3f, inside: bool, distance: f32
 fn record_next_ray(m: u32, wo: vec3f, wi: vec3f, inside: bool, radiance: vec3f) {
     if facets_state == FACETS_SAMPLE {
         facets_share = bsdf_facet_share(material_at(m).kind, m, wo, wi, inside);
+        let chance = bsdf_facet_chance(material_at(m).kind, m, wo, inside);
+        let deviation = sqrt(max(1.0 - chance, 0.0) / max(chance, 1e-6));
+        facets_least_alpha = min(CHOSEN_ALPHA * deviation, MAX_FACET_ALPHA);
         facets_before = radiance;
         facets_state = FACETS_ARRIVE;
     }

@@ -362,6 +362,28 @@ mod tests {
     }
 
     #[test]
+    fn light_of_rarely_chosen_facets_is_shared_farther() {
+        // From above, a coat reflects 0.04 of the light, and so does the base below it.
+        for (material, range) in [
+            ("metal 0.5; roughness 0.1", 0.009..0.011),
+            ("principled 0.5; roughness 0.1; metallic 1", 0.009..0.011),
+            ("principled 0.5; roughness 0.4; coat 1; coat-roughness 0.05", 0.06..0.09),
+            ("principled 0.01; roughness 0.4; coat 1; coat-roughness 0.05", 0.004..0.02),
+        ] {
+            let text = format!(
+                "pathmarch 1\ncamera {{ position 0 4 0.1; target 0 0 0; fov 20 }}\nsky 1\n\
+                 material \"floor\" {{ {material} }}\nobject \"floor\" material=\"floor\" {{ plane }}"
+            );
+            let scene = Scene::parse("test.kdl", &text).expect("a scene");
+            let input = RenderInput::new(&scene, &Settings { size: [24, 24], ..Settings::of(&scene) });
+            let pixels: Vec<(u32, u32)> = (0..576).map(|index| (index % 24, index / 24)).collect();
+            let (_, guides) = input.sample_with_guides(&input.context(None), &pixels, 0);
+            let alphas: f32 = guides.iter().map(|guide| guide.reflected.alpha).sum();
+            assert!(range.contains(&(alphas / 576.0)), "{material}: {}", alphas / 576.0);
+        }
+    }
+
+    #[test]
     fn light_of_facets_is_split_from_that_of_the_base() {
         let text = "pathmarch 1\ncamera { position 0 4 0.1; target 0 0 0; fov 20 }\nsky 1\n\
             material \"varnish\" { principled 0.5; roughness 0.1 }\nmaterial \"chalk\" { diffuse 0.5 }\n\

@@ -99,3 +99,8 @@ fn glass_facets(m: u32) -> vec2f {
 fn glass_facet_share(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec3f {
     return vec3f(1.0);
 }
+
+/// Chance that a direction of `glass_sample` is one of the facets.
+fn glass_facet_chance(m: u32, wo: vec3f, inside: bool) -> f32 {
+    return 1.0;
+}

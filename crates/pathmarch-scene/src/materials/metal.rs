@@ -71,6 +71,7 @@ pub(super) static KIND: MaterialKind = MaterialKind {
         facets: Some(&Facets {
             share: |_, _, _, _| Vec3::ONE,
             alpha: |parameters| parameters[3],
+            chance: |_, _, _| 1.0,
             are_coloured: |_| true,
         }),
         in_lanes: Some(KindInLanes::Metal),

@@ -53,3 +53,8 @@ fn metal_facets(m: u32) -> vec2f {
 fn metal_facet_share(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec3f {
     return vec3f(1.0);
 }
+
+/// Chance that a direction of `metal_sample` is one of the facets.
+fn metal_facet_chance(m: u32, wo: vec3f, inside: bool) -> f32 {
+    return 1.0;
+}

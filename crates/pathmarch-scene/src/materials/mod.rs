@@ -226,6 +226,8 @@ pub struct Facets {
     pub share: fn(&BsdfParameters, wo: Vec3, wi: Vec3, inside: bool) -> Vec3,
     /// Width of the distribution of their normals: alpha of GGX, that of the smoothest layer.
     pub alpha: fn(&BsdfParameters) -> f32,
+    /// Chance that a direction which [`Bsdf::sample`] chooses is one of theirs.
+    pub chance: fn(&BsdfParameters, wo: Vec3, inside: bool) -> f32,
     /// True if they reflect in the colour of the surface.
     pub are_coloured: fn(&BsdfParameters) -> bool,
 }

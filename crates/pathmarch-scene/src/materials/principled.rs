@@ -99,6 +99,10 @@ pub(super) static KIND: MaterialKind = MaterialKind {
                     if covers { parameters[ROUGHNESS].min(parameters[COAT_ROUGHNESS]) } else { parameters[ROUGHNESS] };
                 least * least
             },
+            chance: |parameters, wo, inside| {
+                let surface = Principled::<f32>::new(parameters, wo.into(), inside);
+                surface.coat_chance + surface.interface_chance
+            },
             are_coloured: |parameters| parameters[METALLIC] > 0.5,
         }),
         in_lanes: Some(KindInLanes::Principled),

@@ -94,6 +94,12 @@ fn principled_facet_share(m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec3f {
     return layers.facets / max(layers.facets + layers.base, vec3f(1.1754944e-38));
 }
 
+/// Chance that a direction of `principled_sample` is one of the facets.
+fn principled_facet_chance(m: u32, wo: vec3f, inside: bool) -> f32 {
+    let view = principled_view(m, wo, inside);
+    return view.coat_chance + view.interface_chance;
+}
+
 fn principled_layers(m: u32, view: PrincipledView, wo: vec3f, wi: vec3f, inside: bool) -> PrincipledLayers {
     let a = packed(m, 0u);
     let b = packed(m, 1u);

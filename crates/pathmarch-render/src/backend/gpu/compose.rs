@@ -311,7 +311,8 @@ fn bsdfs(input: &RenderInput) -> String {
     let used: Vec<_> =
         used.iter().filter_map(|&kind| Some((kind, kinds[kind as usize].name, kinds[kind as usize].bsdf?))).collect();
     let mut code = materials::constants_wgsl() + &dispersion::wgsl() + &materials::SHARED_WGSL.join("\n");
-    let (mut eval, mut sample, mut facets, mut share) = (String::new(), String::new(), String::new(), String::new());
+    let (mut eval, mut sample) = (String::new(), String::new());
+    let (mut facets, mut share, mut chance) = (String::new(), String::new(), String::new());
     for (k, (kind, name, bsdf)) in used.iter().enumerate() {
         code.push('\n');
         code += bsdf.wgsl;
@@ -323,6 +324,8 @@ fn bsdfs(input: &RenderInput) -> String {
             writeln!(facets, "    if kind == {kind}u {{\n        return {name}_facets(m);\n    }}")
                 .expect("writing to a string");
             writeln!(share, "    if kind == {kind}u {{\n        return {name}_facet_share(m, wo, wi, inside);\n    }}")
+                .expect("writing to a string");
+            writeln!(chance, "    if kind == {kind}u {{\n        return {name}_facet_chance(m, wo, inside);\n    }}")
                 .expect("writing to a string");
         }
         writeln!(sample, "    {condition}{{\n        return {name}_sample(m, wo, inside, u);\n    }}")
@@ -340,6 +343,8 @@ fn bsdfs(input: &RenderInput) -> String {
          fn bsdf_facets(kind: u32, m: u32) -> vec2f {{\n{facets}    return vec2f(0.0);\n}}\n\n\
          /// Share of the facets in `bsdf_eval`.\n\
          fn bsdf_facet_share(kind: u32, m: u32, wo: vec3f, wi: vec3f, inside: bool) -> vec3f {{\n{share}    \
-         return vec3f(0.0);\n}}\n"
+         return vec3f(0.0);\n}}\n\n\
+         /// Chance that a direction of `bsdf_sample` is one of the facets.\n\
+         fn bsdf_facet_chance(kind: u32, m: u32, wo: vec3f, inside: bool) -> f32 {{\n{chance}    return 0.0;\n}}\n"
     )
 }
