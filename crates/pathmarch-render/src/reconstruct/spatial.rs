@@ -3,7 +3,7 @@
 use super::means::{Means, PixelMean, luminances};
 use super::planes::{Grid, Place, Planes, by_eight, square_around};
 use super::reflections::{Images, are_media};
-use super::surfaces::{SurfacePlanes, Surfaces, Vectors};
+use super::surfaces::{SurfacePlanes, Surfaces, Vectors, are_of};
 use super::temporal::History;
 use crate::integrator::guides::{Guide, GuideClass, NO_LEAF};
 use crate::integrator::medium_light::MEDIUM_REACH;
@@ -24,6 +24,8 @@ shared_constants! {
     pub(super) const DIRECT_REACH: f32 = 2.5;
     /// The same for indirect light and for that of facets.
     pub(super) const SMOOTH_REACH: f32 = 3.0;
+    /// Standard deviation of a pixel that is brighter than all next to it, in what it has above these: it shares this evenly.
+    const PEAK_DEVIATION: f32 = 3.0;
     /// Distance of the normals of points that share the light of facets, in alphas, at which the weight ends.
     const TURN_REACH: f32 = 1.0;
     /// Distance from a plane, in sides of a pixel for each pixel between the taps, at which the weight ends.
@@ -275,7 +277,7 @@ impl Layer<'_> {
     fn filtered(&self, means: &[PixelMean], [near, far]: &[PairWeights; 2]) -> Estimates {
         let grid = self.surfaces.grid;
         let first = self.first_estimates(means);
-        let variances = &Planes::of_eight(grid, |place| [smooth_variances(grid, near, &first, place)]);
+        let variances = &Planes::of_eight(grid, |place| [smooth_variances(self.surfaces, near, &first, place)]);
         let once = &Estimates::of_eight(grid, |place| self.pass(near, &first, |at| variances.load(0, at), place));
         Estimates::of_eight(grid, |place| self.pass(far, once, |at| once.load(3, at), place))
     }
@@ -360,15 +362,22 @@ impl Layer<'_> {
 }
 
 /// Variances of eight pixels, averaged with those of the next pixels on the same surface: the variance of a few samples is
-/// itself noisy.
+/// itself noisy. What a pixel has above all of these is noise, too, unless it shows glass.
 #[inline(always)]
-fn smooth_variances(grid: Grid, weights: &PairWeights, estimates: &Estimates, place: Place) -> f32x8 {
-    let (mut variance, mut total) = (estimates.load(3, place), f32x8::ONE);
-    weights.for_taps(grid, place, |Tap { place, similarity, .. }| {
+fn smooth_variances(surfaces: &SurfacePlanes, weights: &PairWeights, estimates: &Estimates, place: Place) -> f32x8 {
+    let here = luminances(colours_of(estimates, place));
+    let (mut variance, mut total, mut most) = (estimates.load(3, place), f32x8::ONE, f32x8::splat(-1.0));
+    weights.for_taps(surfaces.grid, place, |Tap { place, similarity, .. }| {
         variance += estimates.load(3, place) * similarity;
         total += similarity;
+        let there = luminances(colours_of(estimates, place));
+        most = similarity.simd_gt(f32x8::ZERO).select(most.fast_max(there), most);
     });
-    variance / total
+    let variance = variance / total;
+    let (has_noise, has_others) = (variance.simd_gt(f32x8::ZERO), most.simd_ge(f32x8::ZERO));
+    let is_compared = has_noise & has_others & !are_of(surfaces.part(place), GuideClass::Glass);
+    let above = is_compared & ((here - most).fast_max(f32x8::ZERO) * PEAK_DEVIATION);
+    variance.fast_max(above * above)
 }
 
 #[cfg(test)]
@@ -376,6 +385,43 @@ mod tests {
     use super::*;
     use crate::scene::FrameUniforms;
     use bytemuck::Zeroable;
+
+    /// Filtered luminance of the pixels of a wall of this class, 24x24 pixels whose means are 1 and have this variance, but that
+    /// of the middle, which is 6.
+    fn with_peak(class: GuideClass, variance: f32) -> Vec<f32> {
+        let guide = |index: usize| {
+            let position = Vec3::new((index % 24) as f32, (index / 24) as f32, 0.0) * 0.01;
+            Guide { position, normal: Vec3::Z, seen_normal: Vec3::Z, length: 1.0, class, ..Guide::NONE }
+        };
+        let guides: Vec<Guide> = (0..576).map(guide).collect();
+        let frame = FrameUniforms { width: 24, height: 24, pixel: 0.01, ..FrameUniforms::zeroed() };
+        let surfaces = SurfacePlanes::new(&frame, &guides, false);
+        let mean = |index: usize| {
+            let light = if index == 12 * 24 + 12 { 6.0 } else { 1.0 };
+            let moments = [light, light * light + variance];
+            PixelMean { irradiance: Vec3::splat(light), length: TRUSTED_SAMPLES, moments, before: [0.0; 2] }
+        };
+        let means: Vec<PixelMean> = (0..576).map(mean).collect();
+        let pairs = STEPS.map(|step| PairWeights::new(&surfaces, step));
+        let filtered = Layer { surfaces: &surfaces, reaches: None, reach: DIRECT_REACH }.filtered(&means, &pairs);
+        let at =
+            |index: usize| filtered.load(0, Place::new(index % 24 / 8 * 8, (index / 24) as i32)).to_array()[index % 8];
+        (0..576).map(at).collect()
+    }
+
+    #[test]
+    fn peaks_of_single_pixels_are_noise() {
+        // The deviation of the mean is 0.1.
+        let filtered = with_peak(GuideClass::Surface, 0.04);
+        let sum: f32 = filtered.iter().sum();
+        assert!(filtered[12 * 24 + 12] < 2.0, "{}", filtered[12 * 24 + 12]);
+        assert!((sum - 581.0).abs() < 1.0, "{sum}");
+        assert!(filtered.iter().all(|light| *light > 0.99));
+        // Glass shows such highlights; without noise all is as it is.
+        for (class, variance) in [(GuideClass::Glass, 0.04), (GuideClass::Surface, 0.0)] {
+            assert!((with_peak(class, variance)[12 * 24 + 12] - 6.0).abs() < 1e-3);
+        }
+    }
 
     #[test]
     fn similarity_is_symmetric_and_ends_at_edges() {

@@ -150,7 +150,8 @@ fn start_filter(@builtin(global_invocation_id) id: vec3u) {
     estimates[pixel] = vec4f(here.irradiance, select(variance, 0.0, surface_of(guide) == NOT_FILTERED));
 }
 
-/// Averages the variances with those of the next pixels on the same surface.
+/// Averages the variances with those of the next pixels on the same surface. What a pixel has above all of these is noise,
+/// too, unless it shows glass.
 @compute @workgroup_size(8, 8)
 fn smooth_variance(@builtin(global_invocation_id) id: vec3u) {
     let position = vec2i(id.xy);
@@ -162,16 +163,24 @@ fn smooth_variance(@builtin(global_invocation_id) id: vec3u) {
     let here = estimates[pixel];
     var variance = here.w;
     var total = 1.0;
+    var most = -1.0;
     for (var k = 0; k < 9; k++) {
         let place = position + vec2i(k % 3 - 1, k / 3 - 1);
         if k != 4 && is_inside(place) {
             let other = pixel_index(place);
             let weight = similarity(guide, guide_at(other), vec2u(pixel, other), 1.0);
-            variance += estimates[other].w * weight;
+            let there = estimates[other];
+            variance += there.w * weight;
             total += weight;
+            most = select(most, max(most, luminance(there.xyz)), weight > 0.0);
         }
     }
-    next_estimates[pixel] = vec4f(here.xyz, variance / total);
+    variance /= total;
+    if variance > 0.0 && most >= 0.0 && guide.guide_class != GUIDE_GLASS {
+        let above = PEAK_DEVIATION * max(luminance(here.xyz) - most, 0.0);
+        variance = max(variance, above * above);
+    }
+    next_estimates[pixel] = vec4f(here.xyz, variance);
 }
 
 /// One pass of the filter.
