@@ -575,6 +575,36 @@ fn both_backends_leave_no_trail_of_the_sky_in_a_ball(renderers: &mut [Renderer; 
     }
 }
 
+/// A dark ball at this place along a smooth floor of metal.
+fn over_metal(x: f32) -> Arc<Scene> {
+    Arc::new(parse(&format!(
+        "pathmarch 1\ncamera {{ position 0 1 5; target 0 0.4 0; fov 30 }}\nrender {{ bounces 2 }}\nsky 0.8 0.9 1\n\
+         material \"metal\" {{ metal 0.8; roughness 0.05 }}\nmaterial \"dark\" {{ diffuse 0.1 0.05 0.05 }}\n\
+         object \"floor\" material=\"metal\" {{ plane }}\nobject \"ball\" material=\"dark\" {{ sphere 0.5 {{ at {x} 0.5 0 }} }}"
+    )))
+}
+
+fn both_backends_follow_what_a_floor_mirrors(renderers: &mut [Renderer; 2]) {
+    let mut sequences = renderers.each_ref().map(|renderer| Sequence::new(renderer, ReconstructOptions::default()));
+    for frame in 0..8 {
+        let scene = over_metal(0.15 * frame as f32 - 0.6);
+        let settings = settings(&scene, moved(&scene, 0.0), 1, frame);
+        let [a, b] = sequences.each_mut().map(|sequence| sequence.render(&scene, &settings).expect("a picture"));
+        let error = relmse(&a.reconstructed, &b.reconstructed).expect("finite");
+        println!("frame {frame}: relMSE {error:.2e}");
+        assert!(error < 1e-4, "{frame}: {error}");
+        if frame == 7 {
+            let reference = converged(&scene, moved(&scene, 0.0));
+            // What the floor in front of the ball mirrors.
+            let floor = |picture: &Picture| part(picture, 30..90, 40..54);
+            let error = relmse(&floor(&a.reconstructed), &floor(&reference)).expect("finite");
+            println!("relMSE {error:.4} of what the floor mirrors");
+            // With the weights of other surfaces in anti-aliasing, it is 0.24.
+            assert!(error < 0.16, "{error}");
+        }
+    }
+}
+
 fn middle_of_ball(picture: &Picture) -> Picture {
     part(picture, 38..58, 17..37)
 }
@@ -664,6 +694,7 @@ tests! {
         both_backends_average_textures_alike,
         both_backends_follow_a_growing_ball,
         both_backends_leave_no_trail_of_the_sky_in_a_ball,
+        both_backends_follow_what_a_floor_mirrors,
         pictures_that_do_not_fit_are_shown_as_they_are,
     ],
     plain: [

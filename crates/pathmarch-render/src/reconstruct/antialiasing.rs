@@ -34,6 +34,11 @@ shared_constants! {
     const MOVING_WEIGHT: f32 = 0.4;
     /// Motion since the last picture at which that weight is reached, pixels of the samples.
     const FAST_MOTION: f32 = 0.3;
+    /// Least weight of a new picture after a change of the scene where facets mirror sharply: what they show may move, and their
+    /// surface tells nothing of it.
+    const IMAGE_WEIGHT: f32 = 0.6;
+    /// Largest alpha of such facets; above it, the weight falls with the square of alpha.
+    const SHARP_ALPHA: f32 = 0.005;
     /// Standard deviation of the filter that interpolates samples, pixels of the picture.
     const KERNEL_DEVIATION: f32 = 0.6;
 }
@@ -64,6 +69,7 @@ pub(super) struct Last<'a> {
     pub(super) earlier: &'a EarlierPoints,
     /// Weight of the new picture, see [`new_weight`].
     pub(super) new_weight: f32,
+    pub(super) scene_has_changed: bool,
 }
 
 /// Textures that are finer than pixels.
@@ -103,6 +109,8 @@ struct Neighbourhoods {
     mean: Vectors,
     /// Largest deviations from them that the past may have.
     deviation: Vectors,
+    /// Least weights of the new picture.
+    new_weight: f32x8,
     /// Points of the surfaces in the last picture.
     sought: SoughtPoints,
     /// Positions of these points in the last picture and in this one, each in pixels of its samples.
@@ -120,6 +128,7 @@ impl Neighbourhoods {
         let Self {
             mean,
             deviation,
+            new_weight,
             sought: SoughtPoints { position, normal, pixel, surface, sky_tolerance },
             before,
             now,
@@ -128,7 +137,7 @@ impl Neighbourhoods {
         let columns = [
             [position.x, position.y, position.z, pixel, normal.x, normal.y, normal.z, surface],
             [mean.x, mean.y, mean.z, deviation.x, deviation.y, deviation.z, sky_tolerance, one(before.mask & now.mask)],
-            [before.x, before.y, now.x, now.y, f32x8::ZERO, f32x8::ZERO, f32x8::ZERO, f32x8::ZERO],
+            [before.x, before.y, now.x, now.y, new_weight, f32x8::ZERO, f32x8::ZERO, f32x8::ZERO],
         ];
         let [a, b, c] = columns.map(|columns| f32x8::transpose(columns).map(f32x8::to_array));
         std::array::from_fn(|lane| [a[lane], b[lane], c[lane]])
@@ -140,12 +149,13 @@ impl Neighbourhoods {
         let numbers = |k: usize| transposed(indices.map(|index| row[index][k]));
         let [px, py, pz, pixel, nx, ny, nz, surface] = numbers(0);
         let [mx, my, mz, dx, dy, dz, sky_tolerance, moves] = numbers(1);
-        let [bx, by, x, y, ..] = numbers(2);
+        let [bx, by, x, y, new_weight, ..] = numbers(2);
         let mask = moves.simd_gt(f32x8::ZERO);
         let (position, normal) = (Vectors::new(px, py, pz), Vectors::new(nx, ny, nz));
         Self {
             mean: Vectors::new(mx, my, mz),
             deviation: Vectors::new(dx, dy, dz),
+            new_weight,
             sought: SoughtPoints { position, normal, pixel, surface, sky_tolerance },
             before: Positions { x: bx, y: by, mask },
             now: Positions { x, y, mask },
@@ -166,8 +176,7 @@ struct Outlines {
 /// New samples of a picture, which is shown at another size.
 struct Upscaling<'a> {
     present: &'a History,
-    /// Mirrors that the camera sees, if there are any.
-    mirrors: Option<&'a MirrorPlanes>,
+    surfaces: &'a SurfacePlanes,
     grid: Grid,
     samples: &'a [Vec3],
     textures: Option<Textures<'a>>,
@@ -216,7 +225,7 @@ pub(super) fn antialiased(
     };
     let upscaling = Upscaling {
         present,
-        mirrors: surfaces.mirrors.as_ref(),
+        surfaces,
         grid,
         samples,
         textures,
@@ -280,7 +289,7 @@ impl Upscaling<'_> {
         point: [f32x8; 2],
         (new, weights): ([Vec3; 8], [f32; 8]),
         around: &Neighbourhoods,
-        Last { picture: shown, history, new_weight, .. }: Last,
+        Last { picture: shown, history, .. }: Last,
     ) -> [Vec3; 8] {
         let position = self.before(point, around, history);
         let seen = history.shows(&around.sought, &position);
@@ -309,7 +318,7 @@ impl Upscaling<'_> {
             [position.x, position.y][k] * (self.present.frame.size()[k] as f32 / sampled[k] as f32) - point[k]
         };
         let speed = (moved(0) * moved(0) + moved(1) * moved(1)).sqrt() * FAST_MOTION.recip();
-        let new_weight = f32x8::splat(new_weight).fast_max(speed.fast_min(f32x8::ONE) * MOVING_WEIGHT);
+        let new_weight = around.new_weight.fast_max(speed.fast_min(f32x8::ONE) * MOVING_WEIGHT);
         let weight = (new_weight * f32x8::from(weights)).fast_max(f32x8::splat(MIN_WEIGHT));
         let new = pack(new);
         unpack(Vectors::select(Mask8(seen), old + (new - old) * weight, new))
@@ -329,7 +338,8 @@ impl Upscaling<'_> {
     }
 
     /// Neighbourhoods of eight pixels of the samples.
-    fn neighbourhoods(&self, place: Place, Last { history, earlier, .. }: Last) -> Neighbourhoods {
+    fn neighbourhoods(&self, place: Place, last: Last) -> Neighbourhoods {
+        let Last { history, earlier, .. } = last;
         let (mut sum, mut squares) = ([f32x8::ZERO; 3], [f32x8::ZERO; 3]);
         let (mut rows, mut nearest) = (0.0, f32x8::ZERO);
         let mut least = self.opponents.load(3, place);
@@ -358,7 +368,7 @@ impl Upscaling<'_> {
         let share = f32x8::ONE / (columns * rows);
         let (mean, square) = (sum.map(|sum| sum * share), squares.map(|squares| squares * share));
         let deviation = |k: usize| (square[k] - mean[k] * mean[k]).fast_max(f32x8::ZERO).sqrt() * f32x8::splat(REACH);
-        let outlines = self.mirrors.map(|mirrors| self.outlines(mirrors, place));
+        let outlines = self.surfaces.mirrors.as_ref().map(|mirrors| self.outlines(mirrors, place));
         let nearest = outlines.as_ref().map_or(nearest, |outlines| outlines.mask.select(outlines.nearest, nearest));
         let (indices, nearest) = (place.indices(self.grid), nearest.to_array());
         let indices = std::array::from_fn(|lane| {
@@ -370,10 +380,23 @@ impl Upscaling<'_> {
         Neighbourhoods {
             mean: Vectors::new(mean[0], mean[1], mean[2]),
             deviation: Vectors::new(deviation(0), deviation(1), deviation(2)),
+            new_weight: self.new_weights(place, last),
             sought,
             before: history.projection.project_all(self.moving_points(&points, &sought, outlines)),
             now: self.present.projection.project_all(points.position),
         }
+    }
+
+    /// Least weights of the new picture at eight pixels of the samples.
+    #[inline(always)]
+    fn new_weights(&self, place: Place, Last { new_weight, scene_has_changed, .. }: Last) -> f32x8 {
+        if !scene_has_changed {
+            return f32x8::splat(new_weight);
+        }
+        let alpha = self.surfaces.alpha(place);
+        let sharpness = (f32x8::splat(SHARP_ALPHA) / alpha).fast_min(f32x8::ONE);
+        let of_images = alpha.simd_gt(f32x8::ZERO) & (sharpness * sharpness * IMAGE_WEIGHT);
+        of_images.fast_max(f32x8::splat(new_weight))
     }
 
     /// Outlines of mirrors at eight pixels of the samples.

@@ -198,6 +198,11 @@ fn antialias(@builtin(global_invocation_id) id: vec3u) {
     let limited = clamp(opponent_of(past_colour(place * past_shown / past_traced)), mean - deviation, mean + deviation);
     let old = max(colour_of(limited), vec3f(0.0));
     let speed = min(length(place * traced / past_traced - point) / FAST_MOTION, 1.0);
-    let new_weight = max(uniforms.new_weight, MOVING_WEIGHT * speed);
+    var new_weight = max(uniforms.new_weight, MOVING_WEIGHT * speed);
+    if uniforms.scene_changed != 0u && here.alpha > 0.0 {
+        // What facets show may move, whatever their surface does.
+        let sharpness = min(SHARP_ALPHA / here.alpha, 1.0);
+        new_weight = max(new_weight, IMAGE_WEIGHT * sharpness * sharpness);
+    }
     colours[pixel] = vec4f(mix(old, colour, max(new_weight * largest, MIN_WEIGHT)), 0.0);
 }

@@ -178,6 +178,7 @@ impl CpuReconstruction {
             history: &past.history,
             earlier: &earlier,
             new_weight: new_weight(samples, self.changes.scene),
+            scene_has_changed: self.changes.scene,
         });
         let shown = antialiased((&history, surfaces), (&clean, textures), size, last, emitters.is_some());
         clock.ends("anti-aliasing");
