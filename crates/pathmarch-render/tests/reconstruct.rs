@@ -605,6 +605,7 @@ fn both_backends_follow_what_a_floor_mirrors(renderers: &mut [Renderer; 2]) {
     }
 }
 
+/// The middle of the ball of `CHROME`.
 fn middle_of_ball(picture: &Picture) -> Picture {
     part(picture, 38..58, 17..37)
 }

@@ -10,6 +10,7 @@ mod corpus;
 mod mutation;
 mod targets;
 
+use crate::measure::make_directory;
 use clap::ValueEnum;
 use corpus::corpus;
 use mutation::Random;
@@ -110,7 +111,7 @@ fn peak_memory() -> Option<u64> {
 
 /// Keeps an input that failed.
 fn keep(arguments: &Arguments, target: Target, number: u64, input: &[u8], reason: &str) -> Result<(), Failure> {
-    std::fs::create_dir_all(&arguments.failures).map_err(Failure::other)?;
+    make_directory(&arguments.failures)?;
     let path = arguments.failures.join(format!("{target:?}-{}-{number}", arguments.seed).to_lowercase());
     std::fs::write(&path, input).map_err(Failure::other)?;
     note!("{}: {reason}", path.display());

@@ -300,16 +300,26 @@ mod tests {
         max_history: f32,
     }
 
+    /// Input of a picture of 24x24 pixels of a scene.
+    fn input_of(text: &str) -> RenderInput {
+        let scene = Scene::parse("test.kdl", text).expect("a scene");
+        RenderInput::new(&scene, &Settings { size: [24, 24], ..Settings::of(&scene) })
+    }
+
+    /// Radiances and guides of all pixels of this sample.
+    fn sample(input: &RenderInput, number: u32) -> (Vec<Vec3>, Vec<Guide>) {
+        let pixels: Vec<(u32, u32)> = (0..576).map(|index| (index % 24, index / 24)).collect();
+        input.sample_with_guides(&input.context(None), &pixels, number)
+    }
+
     /// Guides of the middle of a picture that shows an object of metal, which mirrors what is 3 m away, and their images.
     fn images_in(object: &str) -> (Vec<Guide>, Vec<PixelImage>) {
         let text = format!(
             "pathmarch 1\ncamera {{ position 0 0 5; target 0 0 0; fov 10 }}\nsky 1\n\
              material \"metal\" {{ metal 0.5; roughness 0.2 }}\nobject \"mirror\" material=\"metal\" {{ {object} }}"
         );
-        let scene = Scene::parse("test.kdl", &text).expect("a scene");
-        let input = RenderInput::new(&scene, &Settings { size: [24, 24], ..Settings::of(&scene) });
-        let pixels: Vec<(u32, u32)> = (0..576).map(|index| (index % 24, index / 24)).collect();
-        let (_, mut guides) = input.sample_with_guides(&input.context(None), &pixels, 0);
+        let input = input_of(&text);
+        let (_, mut guides) = sample(&input, 0);
         for guide in &mut guides {
             guide.reflected.depth = 3.0 / (3.0 + guide.length);
         }
@@ -374,10 +384,7 @@ mod tests {
                 "pathmarch 1\ncamera {{ position 0 4 0.1; target 0 0 0; fov 20 }}\nsky 1\n\
                  material \"floor\" {{ {material} }}\nobject \"floor\" material=\"floor\" {{ plane }}"
             );
-            let scene = Scene::parse("test.kdl", &text).expect("a scene");
-            let input = RenderInput::new(&scene, &Settings { size: [24, 24], ..Settings::of(&scene) });
-            let pixels: Vec<(u32, u32)> = (0..576).map(|index| (index % 24, index / 24)).collect();
-            let (_, guides) = input.sample_with_guides(&input.context(None), &pixels, 0);
+            let (_, guides) = sample(&input_of(&text), 0);
             let alphas: f32 = guides.iter().map(|guide| guide.reflected.alpha).sum();
             assert!(range.contains(&(alphas / 576.0)), "{material}: {}", alphas / 576.0);
         }
@@ -389,12 +396,10 @@ mod tests {
             material \"varnish\" { principled 0.5; roughness 0.1 }\nmaterial \"chalk\" { diffuse 0.5 }\n\
             object \"floor\" material=\"MATERIAL\" { plane }";
         for (material, range) in [("varnish", 0.06..0.1), ("chalk", -1e-9..1e-9)] {
-            let scene = Scene::parse("test.kdl", &text.replace("MATERIAL", material)).expect("a scene");
-            let input = RenderInput::new(&scene, &Settings { size: [24, 24], ..Settings::of(&scene) });
-            let pixels: Vec<(u32, u32)> = (0..576).map(|index| (index % 24, index / 24)).collect();
+            let input = input_of(&text.replace("MATERIAL", material));
             let mut share = 0.0;
-            for sample in 0..16 {
-                let (radiance, guides) = input.sample_with_guides(&input.context(None), &pixels, sample);
+            for number in 0..16 {
+                let (radiance, guides) = sample(&input, number);
                 let reflected: Vec3 = guides.iter().map(|guide| guide.reflected.radiance).sum();
                 share += luminance(reflected) / luminance(radiance.iter().sum::<Vec3>()) / 16.0;
             }
